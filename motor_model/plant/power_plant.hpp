@@ -1,0 +1,226 @@
+// The power side of one drive: mains, rectifier, DC link with pre-charge and brake chopper, averaged inverter stage,
+// induction machine (5th order, dq), one-mass load, losses, heat sink and motor winding temperature.
+// Equations and symbols: motor_model/README.md. Peak-valued space vectors inside, rms at the measurements.
+//
+// The owner sets inputs, then advances by one control tick. Comparators (over-current, over-voltage, under-voltage)
+// are roots of the integration: they shut the gates at their own instant, like the hardware, and are reported.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/result.hpp"
+#include "sim/base/time.hpp"
+
+namespace vinv::plant {
+
+// Star-equivalent T model, per phase.
+struct MachineParameters {
+  std::string name;
+  double R_s_ohm = 0;
+  double R_r_ohm = 0;
+  double L_ls_h = 0;
+  double L_lr_h = 0;
+  double L_m_h = 0;
+  int pole_pairs = 2;
+  double inertia_kg_m2 = 0;
+  double rated_power_w = 0;
+  double rated_voltage_v_rms = 0;  // line to line
+  double rated_frequency_hz = 50;
+  double rated_current_a_rms = 0;
+  double rated_speed_rpm = 0;
+};
+
+// Refuses values that no machine has (non-positive, leakage above magnetising inductance, speed above synchronous ...)
+// with a sentence that names the value and the allowed range.
+Result<void, std::string> validate(const MachineParameters& machine);
+
+// Shipped presets (motor_model/plant/machines.csv). nullptr if there is no such name.
+const MachineParameters* find_machine(std::string_view name);
+std::vector<std::string_view> machine_names();
+
+struct LossSettings {
+  double iron_loss_w_at_rated = 0;        // at rated voltage and frequency; drawn from the DC link while magnetised
+  double inverter_loss_fraction = 0;      // of the apparent output power
+  double standby_w = 0;                   // control supply from the DC link
+  double viscous_nm_s = 0;                // friction torque = viscous * omega_mech
+  double coulomb_nm = 0;                  // dry friction, opposes rotation
+};
+// What a real drive of this motor's size has: drive_behaviour numbers, typical for the family.
+LossSettings typical_losses(const MachineParameters& machine);
+
+struct DcLinkSettings {
+  double capacitance_f = 235e-6;
+  double source_resistance_ohm = 2.0;
+  double precharge_resistance_ohm = 50.0;
+  double bypass_closes_fraction = 0.80;   // of nominal sqrt(2) * rated mains voltage
+  double bypass_opens_fraction = 0.75;
+  double brake_resistance_ohm = 0;        // 0: no brake resistor fitted
+};
+
+struct ThermalSettings {
+  double heat_sink_k_per_w = 0;           // thermal resistance to ambient
+  double heat_sink_time_constant_s = 300;
+  double winding_rise_k_at_rated = 80;    // at rated current, steady state
+  double winding_time_constant_s = 900;
+};
+
+struct Comparators {
+  double over_current_a_peak = 0;         // on the magnitude of the stator current vector; 0: off
+  double over_voltage_v = 0;              // 0: off
+  double under_voltage_v = 0;             // 0: off; armed once the link has been above under_voltage_clear_v
+  double under_voltage_clear_v = 0;
+};
+
+struct LoadPoint {
+  double time_s = 0;
+  double torque_nm = 0;
+};
+
+// Torque of the driven machine at the motor shaft. Sum of the terms.
+struct LoadSettings {
+  double inertia_kg_m2 = 0;               // in addition to the motor's own
+  double constant_nm = 0;                 // opposes rotation (reverses sign with it)
+  double linear_nm_s = 0;                 // * omega_mech
+  double quadratic_nm_s2 = 0;             // * omega_mech * |omega_mech|
+  double hoist_nm = 0;                    // gravity: acts in the reverse direction, whatever the rotation
+  std::vector<LoadPoint> table;           // additional opposing torque over time since start, linear between points, held at the end
+};
+Result<void, std::string> validate(const LoadSettings& load);
+
+struct MainsState {
+  double voltage_v_rms = 400;             // line to line, now
+  std::array<bool, 3> phase_present{true, true, true};
+};
+
+struct PlantConfig {
+  MachineParameters machine;
+  LoadSettings load;
+  LossSettings losses;
+  DcLinkSettings dc_link;
+  ThermalSettings thermal;
+  Comparators comparators;
+  MainsState mains;
+  double nominal_mains_v_rms = 400;
+  double ambient_c = 25;
+};
+
+// What the inverter's control puts on the stage for the coming tick.
+struct StageInput {
+  bool gates_on = false;
+  double frequency_hz = 0;                // electrical frequency of the voltage vector, signed
+  double voltage_peak_v = 0;              // commanded phase peak; limited to Vdc / sqrt(3)
+  bool chopper_enabled = false;
+  double chopper_on_v = 0;
+  double chopper_off_v = 0;
+  friend bool operator==(const StageInput&, const StageInput&) = default;
+};
+
+enum class PlantEventKind : std::uint8_t { kOverCurrent, kOverVoltage, kUnderVoltage };
+
+struct PlantEvent {
+  PlantEventKind kind{};
+  Duration after{};                       // since the start of this advance()
+  double value = 0;                       // A peak or V at the instant
+};
+
+struct PlantMeasurements {
+  double output_current_a_rms = 0;
+  double current_peak_a = 0;              // magnitude of the current vector
+  double active_current_a_rms = 0;        // in phase with the voltage, signed: negative while regenerating
+  double output_voltage_v_rms = 0;        // line to line, after the DC-link limit
+  double dc_link_v = 0;
+  double speed_rpm = 0;                   // mechanical
+  double torque_nm = 0;                   // air gap
+  double load_torque_nm = 0;
+  double shaft_power_w = 0;
+  double input_power_w = 0;               // from the mains
+  double output_power_w = 0;              // to the motor terminals
+  double brake_power_w = 0;
+  double heat_sink_c = 0;
+  double winding_c = 0;
+  bool gates_on = false;                  // after comparators
+  bool chopper_on = false;
+  bool precharge_bypassed = false;
+};
+
+// Energy counters since construction, for power balances: joules.
+struct EnergyCounters {
+  double from_mains_j = 0;
+  double stator_copper_j = 0;
+  double rotor_copper_j = 0;
+  double iron_j = 0;
+  double inverter_j = 0;
+  double standby_j = 0;
+  double source_resistance_j = 0;
+  double brake_j = 0;
+  double friction_j = 0;
+  double load_j = 0;                      // to the driven machine, without inertia
+};
+
+enum class SolverChoice : std::uint8_t {
+  kErk,        // ARKODE ERKStep Bogacki-Shampine 3(2), the default (docs/decisions)
+  kCvodeBdf,   // for a stiff rectifier: source resistance * capacitance below about 0.15 ms
+  kRk4,        // fixed step; baseline and independent check, for benchmarks and tests
+};
+
+struct SolverSettings {
+  SolverChoice choice = SolverChoice::kErk;
+  double relative_tolerance = 1e-4;
+  double fixed_step_s = 250e-6;           // kRk4 only
+};
+
+class PowerPlant {
+ public:
+  explicit PowerPlant(PlantConfig config, SolverSettings solver = {});
+  ~PowerPlant();
+  PowerPlant(PowerPlant&&) noexcept;
+  PowerPlant& operator=(PowerPlant&&) noexcept;
+
+  // Inputs; each takes effect at the start of the next advance(). An input that really jumps re-initialises the solver.
+  void set_stage(const StageInput& stage);
+  void set_mains(const MainsState& mains);
+  void set_load(const LoadSettings& load);
+  void set_shaft_locked(bool locked);
+  void set_ambient(double ambient_c);
+
+  // Integrates dt further. Returns the comparator events in time order, at most kMaxEvents; after an over-current or
+  // over-voltage the gates stay shut until the owner has set gates_on = false once.
+  static constexpr std::size_t kMaxEvents = 4;
+  struct Events {
+    std::array<PlantEvent, kMaxEvents> items{};
+    std::size_t count = 0;
+  };
+  Events advance(Duration dt);
+
+  const PlantMeasurements& measurements() const;
+  const EnergyCounters& energy() const;
+  const PlantConfig& config() const;
+  const MainsState& mains() const;
+  const LoadSettings& load() const;
+  bool shaft_locked() const;
+  Duration time() const;                  // integrated so far
+
+  // Everything that the future depends on. Restoring it on a plant of the same config continues the run; solvers save
+  // no history, so a run is reproduced exactly only when both runs restart their solver at that instant.
+  struct State {
+    std::vector<double> y;
+    std::vector<double> aux;              // energy, latches, held inputs
+  };
+  State save() const;
+  void restore(const State& state);
+
+  // Right-hand-side evaluations and solver re-initialisations since construction, for benchmarks.
+  std::uint64_t rhs_calls() const;
+  std::uint64_t reinitialisations() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace vinv::plant

@@ -1,0 +1,55 @@
+// What the rig knows of an option board: its channels, its deadlines and its switches.
+//
+// A board is sans-I/O. The rig hands in what arrives on a channel with the time, asks for what to send, calls
+// handle_timeout at next_deadline and handle_drive_tick after each control tick of its inverter. After any handle_
+// call the rig drains the channels, then reads next_deadline.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "option_boards/modbus/unit.hpp"
+#include "sim/base/bytes.hpp"
+#include "sim/base/result.hpp"
+#include "sim/base/time.hpp"
+
+namespace vinv::boards {
+
+// Serial line settings as the board wants them, or as the other end of the line has them.
+struct LineSettings {
+  std::uint32_t baud = 9600;
+  enum class Parity : std::uint8_t { kNone, kOdd, kEven } parity = Parity::kNone;
+  friend constexpr bool operator==(const LineSettings&, const LineSettings&) = default;
+};
+
+// A channel of bytes with character timing (RS-232C, RS-485). Several boards may share one line.
+class SerialChannel {
+ public:
+  virtual ~SerialChannel() = default;
+  virtual LineSettings line_settings() const = 0;
+  // Bytes as they came in one piece, or with a parity or framing error somewhere in them.
+  virtual void handle_bytes(Instant now, ByteView bytes, bool line_error) = 0;
+  // A whole frame to send now; call until empty.
+  virtual std::optional<Bytes> poll_transmit(Instant now) = 0;
+};
+
+class OptionBoard {
+ public:
+  virtual ~OptionBoard() = default;
+  virtual std::string_view type() const = 0;
+  // The inverter's supply comes and goes; switches and start-up parameters are sampled when it comes.
+  virtual void handle_power(Instant now, bool on) = 0;
+  virtual void handle_drive_tick(Instant now) = 0;
+  virtual void handle_timeout(Instant now) = 0;
+  virtual std::optional<Instant> next_deadline() const = 0;
+  // Rotary or DIP switches by their printed name ("SW1"); sampled as the manual says. Refusal: a sentence.
+  virtual Result<void, std::string> set_switch(std::string_view name, unsigned value) = 0;
+
+  // Channels; nullptr where the board has none.
+  virtual modbus::Unit* modbus_unit() { return nullptr; }
+  virtual SerialChannel* serial_channel() { return nullptr; }
+};
+
+}  // namespace vinv::boards

@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "sim/base/bytes.hpp"
+#include "sim/base/random.hpp"
+#include "sim/base/result.hpp"
+#include "sim/base/time.hpp"
+
+namespace vinv {
+namespace {
+
+TEST(Time, ConvertsSecondsToTheNearestNanosecond) {
+  EXPECT_EQ(seconds_to_duration(0.001).count(), 1'000'000);
+  EXPECT_EQ(seconds_to_duration(-1e-9).count(), -1);
+  EXPECT_DOUBLE_EQ(to_seconds(instant_from_ns(2'500'000'000)), 2.5);
+}
+
+TEST(Bytes, WordsKeepTheirOrder) {
+  Bytes b;
+  append_be16(b, 0x1234);
+  append_le16(b, 0x1234);
+  append_be32(b, 0x01020304);
+  append_le32(b, 0x01020304);
+  EXPECT_EQ(b, (Bytes{0x12, 0x34, 0x34, 0x12, 1, 2, 3, 4, 4, 3, 2, 1}));
+  EXPECT_EQ(read_be16(b, 0), 0x1234);
+  EXPECT_EQ(read_le16(b, 2), 0x1234);
+  EXPECT_EQ(read_be32(b, 4), 0x01020304u);
+  EXPECT_EQ(read_le32(b, 8), 0x01020304u);
+}
+
+TEST(Result, HoldsAValueOrAnError) {
+  const Result<int, std::string> good = 3;
+  const Result<int, std::string> bad = Unexpected(std::string("out of range"));
+  EXPECT_TRUE(good);
+  EXPECT_EQ(*good, 3);
+  EXPECT_FALSE(bad);
+  EXPECT_EQ(bad.error(), "out of range");
+  EXPECT_EQ(bad.value_or(7), 7);
+  const Result<void, int> done;
+  EXPECT_TRUE(done);
+}
+
+TEST(Random, SequenceIsPartOfTheTrace) {
+  Random r(42);
+  EXPECT_EQ(r.next(), 13679457532755275413ULL);
+  EXPECT_EQ(r.next(), 2949826092126892291ULL);
+}
+
+}  // namespace
+}  // namespace vinv
