@@ -10,8 +10,8 @@ TEST(DetectionOutputs, UpToFrequencyIsABandOfTheSetFrequency) {
   DriveSettings s;
   s.up_to_frequency_percent = 10;
   const auto su = [&](double ramp, double set, bool running = true) {
-    d.step(0.001, s, {.running = running, .ramp_frequency_hz = ramp, .output_frequency_hz = ramp,
-                      .set_frequency_hz = set});
+    d.step(0.001, s,
+           {.running = running, .ramp_frequency_hz = ramp, .output_frequency_hz = ramp, .set_frequency_hz = set});
     return d.up_to_frequency();
   };
   EXPECT_FALSE(su(44.9, 50));

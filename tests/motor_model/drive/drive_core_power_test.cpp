@@ -142,7 +142,7 @@ TEST(DriveCorePower, ALowLinkAtStandstillOnlyPreventsTheStart) {
   b.run_ms(100);
   EXPECT_FALSE(b.out().gates_on);
   EXPECT_FALSE(b.out().power_failure);
-  v = 370;   // above under-voltage, below its clear level
+  v = 370;  // above under-voltage, below its clear level
   b.run_ms(10);
   EXPECT_FALSE(b.out().gates_on);
   v = 500;

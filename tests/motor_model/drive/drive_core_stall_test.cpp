@@ -8,16 +8,18 @@ namespace {
 
 TEST(DriveCoreStall, AHeavyStartLengthensTheRamp) {
   DriveBench b;
-  b.settings.acceleration_s = 1;          // 50 Hz/s
-  b.power.acceleration_hz_s = 15;         // rated torque gives 15 Hz/s
+  b.settings.acceleration_s = 1;   // 50 Hz/s
+  b.power.acceleration_hz_s = 15;  // rated torque gives 15 Hz/s
   b.forward(50);
   bool overload = false;
   double highest = 0;
-  const int ms = b.ms_until([&](const DriveOutputs& o) {
-    overload |= o.overload;
-    highest = std::max(highest, b.power.sensors(true).current_a_rms);
-    return o.state == RunState::kConstant;
-  }, 20'000);
+  const int ms = b.ms_until(
+      [&](const DriveOutputs& o) {
+        overload |= o.overload;
+        highest = std::max(highest, b.power.sensors(true).current_a_rms);
+        return o.state == RunState::kConstant;
+      },
+      20'000);
   // 6 A is 1.65 of rated torque: 25 Hz/s, 2 s.
   EXPECT_NEAR(ms, 2000, 150);
   EXPECT_TRUE(overload);
@@ -77,6 +79,16 @@ TEST(DriveCoreStall, ABlockedShaftIsHeldAtTheLevelUntilTheInverterOverloadTrips)
   ASSERT_TRUE(b.tripped);
   EXPECT_EQ(b.tripped->kind, TripKind::kInverterOverload);
   EXPECT_NEAR(ms + 5000, 60'000, 15'000);
+}
+
+TEST(DriveCoreStall, ABlockedMotorCanBeStopped) {
+  DriveBench b;
+  b.power.locked = true;
+  b.forward(50);
+  b.run_ms(2000);
+  EXPECT_TRUE(b.out().overload);
+  b.stop();
+  EXPECT_GT(b.ms_until_state(RunState::kStopped, 1000), 0);
 }
 
 TEST(DriveCoreStall, StallAtOnceTripsWhenOverloadWouldShow) {

@@ -31,11 +31,11 @@ TEST(DriveCoreTrip, ComparatorsAreNamedByTheRampAtThatInstant) {
     RunState state;
     TripKind over_current, over_voltage;
   };
-  for (const Case& c : {
-           Case{RunState::kAccelerating, TripKind::kOverCurrentAcceleration, TripKind::kOverVoltageAcceleration},
-           Case{RunState::kConstant, TripKind::kOverCurrentConstant, TripKind::kOverVoltageConstant},
-           Case{RunState::kDecelerating, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration},
-           Case{RunState::kStopped, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration}}) {
+  for (const Case& c :
+       {Case{RunState::kAccelerating, TripKind::kOverCurrentAcceleration, TripKind::kOverVoltageAcceleration},
+        Case{RunState::kConstant, TripKind::kOverCurrentConstant, TripKind::kOverVoltageConstant},
+        Case{RunState::kDecelerating, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration},
+        Case{RunState::kStopped, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration}}) {
     for (const bool current : {true, false}) {
       DriveBench b;
       prepare(b, c.state);
@@ -59,7 +59,7 @@ TEST(DriveCoreTrip, ComparatorsAreNamedByTheRampAtThatInstant) {
       EXPECT_EQ(o.output_frequency_hz, 0);
       b.meddle = nullptr;
       b.forward(30);
-      EXPECT_FALSE(b.tick().trip);   // reported once
+      EXPECT_FALSE(b.tick().trip);  // reported once
       b.run_ms(1000);
       EXPECT_FALSE(b.out().gates_on);
       b.core.reset(DriveCore::Accumulators::kKeep);
@@ -89,10 +89,10 @@ TEST(DriveCoreTrip, SensorCausesTripWithTheirKind) {
     TripKind kind;
     int within_ms;
   };
-  for (const Case& c : {
-           Case{"heat sink", [](Sensors& m) { m.heat_sink_c = 95; }, TripKind::kHeatSink, 1},
-           Case{"chopper", [](Sensors& m) { m.chopper_failed = true; }, TripKind::kBrakeTransistor, 1},
-           Case{"phase", [](Sensors& m) { m.output_phase_open = true; }, TripKind::kOutputPhaseLoss, 501}}) {
+  for (const Case& c :
+       {Case{"heat sink", [](Sensors& m) { m.heat_sink_c = 95; }, TripKind::kHeatSink, 1},
+        Case{"chopper", [](Sensors& m) { m.chopper_failed = true; }, TripKind::kBrakeTransistor, 1},
+        Case{"phase", [](Sensors& m) { m.output_phase_open = true; }, TripKind::kOutputPhaseLoss, 501}}) {
     DriveBench b;
     prepare(b, RunState::kConstant);
     b.meddle = c.cause;
@@ -220,7 +220,7 @@ TEST(DriveCoreTrip, InverterOverloadTripsByItsCurve) {
   b.settings.fast_current_limit = false;
   b.settings.electronic_thermal_a_rms = 0;
   prepare(b, RunState::kConstant);
-  b.meddle = [](Sensors& m) { m.current_a_rms = 7.2; };   // 180 %
+  b.meddle = [](Sensors& m) { m.current_a_rms = 7.2; };  // 180 %
   EXPECT_NEAR(b.ms_until([](const DriveOutputs& o) { return o.trip.has_value(); }, 20'000), 9940, 200);
   EXPECT_EQ(b.tripped->kind, TripKind::kInverterOverload);
 }
