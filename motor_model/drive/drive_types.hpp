@@ -20,6 +20,7 @@ struct FrequencyBand {
 };
 
 // Effective settings for this tick: the personality has already chosen between first and second functions and jog.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): the order is the reader's
 struct DriveSettings {
   // ratings
   double rated_current_a_rms = 1.6;

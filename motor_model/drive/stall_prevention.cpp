@@ -49,12 +49,11 @@ StallPrevention::Decision StallPrevention::step(double dt_s, const DriveSettings
   d.level_a_rms = stall_level_percent(settings, situation.frequency_hz) / 100 * settings.rated_current_a_rms;
   // A motoring current falls with the frequency: a hold would keep a blocked motor from ever stopping.
   const bool helps = motion != Motion::kDecelerating || situation.regenerating;
-  if (d.level_a_rms <= 0 || !selected(settings, motion) || !helps) {
+  const bool acts = d.level_a_rms > 0 && selected(settings, motion) && helps;
+  if (!acts || current < d.level_a_rms * (1 - kRecovery)) {
     over_level_ = false;
   } else if (current > d.level_a_rms) {
     over_level_ = true;
-  } else if (current < d.level_a_rms * (1 - kRecovery)) {
-    over_level_ = false;
   }
 
   if (over_level_) {

@@ -75,5 +75,15 @@ TEST(DetectionOutputs, ZeroCurrentComesAfterItsTime) {
   EXPECT_FALSE(run(1, 0.21));
 }
 
+TEST(DetectionOutputs, CurrentDetectionNeedsARunningDrive) {
+  DetectionOutputs d;
+  DriveSettings s;
+  s.rated_current_a_rms = 4;
+  d.step(0.001, s, {.running = false, .current_a_rms = 8});
+  EXPECT_FALSE(d.current_detected());
+  d.step(0.001, s, {.running = true, .current_a_rms = 8});
+  EXPECT_TRUE(d.current_detected());
+}
+
 }  // namespace
 }  // namespace vinv::drive

@@ -161,5 +161,16 @@ TEST(DriveCorePower, TheComparatorAloneShutsTheOutput) {
   EXPECT_EQ(b.out().state, RunState::kPowerFailure);
 }
 
+TEST(DriveCorePower, OutputStopInAShortDipWins) {
+  Bench b;
+  b.mains = false;
+  b.run_ms(5);
+  b.command.output_stop = true;
+  b.tick();
+  b.mains = true;
+  EXPECT_FALSE(b.tick().gates_on);
+  EXPECT_EQ(b.out().state, RunState::kStopped);
+}
+
 }  // namespace
 }  // namespace vinv::drive

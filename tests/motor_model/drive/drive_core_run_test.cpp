@@ -163,7 +163,7 @@ TEST(DriveCoreRun, DcBrakeActsAtItsFrequencyForItsTime) {
   DriveBench b;
   b.settings.dc_brake_s = 0.5;
   b.settings.dc_brake_frequency_hz = 3;
-  b.settings.dc_brake_voltage_percent = 4;
+  b.settings.dc_brake_voltage_percent = 10;
   b.forward(20);
   b.ms_until_state(RunState::kConstant, 6000);
   b.stop();
@@ -173,7 +173,7 @@ TEST(DriveCoreRun, DcBrakeActsAtItsFrequencyForItsTime) {
   EXPECT_FALSE(o.running);
   EXPECT_EQ(o.stage_frequency_hz, 0);
   EXPECT_EQ(o.output_frequency_hz, 0);
-  EXPECT_NEAR(o.stage_voltage_peak_v, 400 * 0.04 * std::sqrt(2.0 / 3), 1e-9);
+  EXPECT_NEAR(o.stage_voltage_peak_v, 400 * 0.10 * std::sqrt(2.0 / 3), 1e-9);
   EXPECT_EQ(b.ms_until_state(RunState::kStopped, 3000), 500);
   EXPECT_FALSE(o.gates_on);
 }
@@ -338,6 +338,24 @@ TEST(DriveCoreRun, ShortestDecelerationKeepsTheLinkBelowItsTrip) {
   b.stop();
   EXPECT_GT(b.ms_until_state(RunState::kStopped, 30'000), 100);
   EXPECT_FALSE(b.tripped) << b.tripped->value;
+}
+
+TEST(DriveCoreRun, ANewStartForgetsSlipAndShortestRate) {
+  DriveBench b;
+  b.settings.rated_slip_hz = 2;
+  b.settings.shortest_acceleration = true;
+  b.power.load = 1;
+  b.forward(50);
+  b.run_ms(150);
+  b.command.output_stop = true;
+  b.tick();
+  b.power.rotor_hz = 0;
+  b.power.torque = 0;
+  b.command.output_stop = false;
+  b.tick();
+  EXPECT_EQ(b.hz(), 0.5);
+  b.run_ms(5);
+  EXPECT_NEAR(b.out().ramp_frequency_hz, 0.55, 0.01);  // 10 Hz/s again
 }
 
 // A copy is a snapshot: both go on identically.

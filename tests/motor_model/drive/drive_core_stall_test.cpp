@@ -162,5 +162,40 @@ TEST(DriveCoreStall, TheChopperSavesTheStopUntilItsDutyIsUsedUp) {
   EXPECT_GT(b.out().brake_duty_fraction, 0.9);
 }
 
+TEST(DriveCoreStall, RecoveryIsARampAlsoWithoutAccelerationTime) {
+  DriveBench b;
+  b.settings.acceleration_s = 0;
+  b.settings.over_current_percent = 1000;
+  b.power.acceleration_hz_s = 1000;
+  b.forward(10);
+  b.ms_until_state(RunState::kConstant, 6000);
+  b.run_ms(500);
+  b.meddle = [](Sensors& m) { m.current_a_rms = 6.5; };
+  b.run_ms(500);
+  EXPECT_LT(b.hz(), 7);
+  b.meddle = [](Sensors& m) { m.current_a_rms = 4; };
+  double last = b.hz();
+  for (int i = 0; i < 200; ++i) {
+    b.tick();
+    ASSERT_LE(b.hz() - last, 0.5 + 1e-9);
+    last = b.hz();
+  }
+  EXPECT_EQ(b.hz(), 10);
+}
+
+TEST(DriveCoreStall, TheFastLimitTakesVoltageNotFrequency) {
+  DriveBench b;
+  b.forward(30);
+  b.ms_until_state(RunState::kConstant, 6000);
+  const double before = b.out().stage_voltage_peak_v;
+  b.meddle = [](Sensors& m) { m.current_peak_a = 11; };  // trips at 11.3
+  b.run_ms(3);
+  EXPECT_LT(b.out().stage_voltage_peak_v, 0.9 * before);
+  EXPECT_EQ(b.hz(), 30);
+  b.meddle = nullptr;
+  b.run_ms(60);
+  EXPECT_NEAR(b.out().stage_voltage_peak_v, before, 1e-9);
+}
+
 }  // namespace
 }  // namespace vinv::drive

@@ -132,5 +132,12 @@ TEST(StallPrevention, TripsAtOnceWhereSoSet) {
   EXPECT_TRUE(settle(stall, s, Motion::kConstant, 6.5, 40).trip);
 }
 
+TEST(StallPrevention, AHeldDecelerationAtHalfAHertzIsNoStallTrip) {
+  StallPrevention stall;
+  const auto d = settle(stall, four_amps(), Motion::kDecelerating, 6.5, 0.5, 566, 10'000);
+  EXPECT_TRUE(d.active);
+  EXPECT_FALSE(d.trip);
+}
+
 }  // namespace
 }  // namespace vinv::drive
