@@ -166,6 +166,7 @@ TEST(DriveCoreStall, RecoveryIsARampAlsoWithoutAccelerationTime) {
   DriveBench b;
   b.settings.acceleration_s = 0;
   b.settings.over_current_percent = 1000;
+  b.settings.inverter_overload_start_percent = 1000;
   b.power.acceleration_hz_s = 1000;
   b.forward(10);
   b.ms_until_state(RunState::kConstant, 6000);
@@ -173,6 +174,7 @@ TEST(DriveCoreStall, RecoveryIsARampAlsoWithoutAccelerationTime) {
   b.meddle = [](Sensors& m) { m.current_a_rms = 6.5; };
   b.run_ms(500);
   EXPECT_LT(b.hz(), 7);
+  EXPECT_GT(b.hz(), 3);
   b.meddle = [](Sensors& m) { m.current_a_rms = 4; };
   double last = b.hz();
   for (int i = 0; i < 200; ++i) {
