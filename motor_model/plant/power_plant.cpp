@@ -203,14 +203,14 @@ void PowerPlant::Impl::measure() {
   out.output_current_a_rms = out.current_peak_a / std::numbers::sqrt2;
   out.active_current_a_rms = f.i.i_sd / std::numbers::sqrt2;
   out.output_voltage_v_rms = f.stage_peak_v * std::numbers::sqrt3 / std::numbers::sqrt2;
-  out.dc_link_v = s[state::kDcLink];
+  out.dc_link_v = std::max(0.0, s[state::kDcLink]);  // an empty capacitor is zero within tolerance
   out.speed_rpm = omega * kRpmPerRadS;
   out.torque_nm = f.torque_nm;
   out.load_torque_nm = f.shaft.load_nm;
   if (!model.load.locked && model.load.mode == ShaftMode::kHeld) {
     // The part of the reaction that the driven machine takes.
     const double holding = holding_torque(model.load, t);
-    const double share = holding > 0 ? std::max(0.0, dry_load(model.load, t)) / holding : 0;
+    const double share = std::max(0.0, dry_load(model.load, t)) / holding;
     out.load_torque_nm = model.load.hoist_nm + std::min(1.0, share) * (f.torque_nm - model.load.hoist_nm);
   }
   out.shaft_power_w = (f.torque_nm - f.shaft.friction_nm) * omega;
