@@ -100,13 +100,13 @@ void PowerPlant::Impl::settle_shaft() {
 void PowerPlant::Impl::rebase() {
   const double passed = to_seconds(time - base);
   model.t_input -= passed;
-  model.load.table_t_ref -= passed;
   base = time;
   t = 0;
+  enter_table_segment();  // computed anew rather than shifted: the same numbers as after a restore
 }
 
 void PowerPlant::Impl::begin_anew() {
-  rebase();
+  if (base != time) rebase();
   settle_link(y()[state::kDcLink]);
   refresh_model();
   if (current_too_high()) shut_for_over_current();
@@ -177,7 +177,8 @@ PowerPlant::Events PowerPlant::Impl::advance(Duration dt) {
   events.count = 0;
   advance_start = time;
   if (dt <= Duration::zero()) return events;
-  apply_stage(dt);
+  if (anew) rebase();
+  apply_stage(dt);  // may find a jump
   if (anew) begin_anew();
   const Duration end = time + dt;
   while (time < end) {
