@@ -75,7 +75,8 @@ class Inverter {
   virtual std::vector<std::pair<std::string_view, bool>> terminals() const = 0;   // inputs, then outputs
   virtual std::vector<std::string_view> analog_terminals() const = 0;
   // As from the panel: physical value ("5.0" for Pr.7 = 5 s), with the panel's own rules (mode, Pr.77).
-  virtual Outcome set_parameter(std::string_view name, double value) = 0;         // "Pr.7" or "Pr.902.1"
+  // "Pr.7" or "Pr.902.1"; "Pr.CL", "ALLC" and "Er.CL" with value 1 clear parameters, all of them, the alarm history.
+  virtual Outcome set_parameter(std::string_view name, double value) = 0;
   virtual Result<double, std::string> get_parameter(std::string_view name) const = 0;
   // First-start values of the plant file: written before the first power-on, outside the panel's rules.
   virtual Outcome preset_parameter(std::string_view name, double value) = 0;
@@ -83,13 +84,14 @@ class Inverter {
 
   // Surroundings.
   virtual void set_power(bool on) = 0;                 // the drive's own breaker
+  // True while the control supply is alive: from the breaker's closing (with enough mains) until the DC link has fallen.
   virtual bool powered() const = 0;
   virtual void set_mains(const plant::MainsState& mains) = 0;
   virtual void set_load(const plant::LoadSettings& load) = 0;
   virtual void set_shaft_locked(bool locked) = 0;
   virtual void set_ambient(double celsius) = 0;
   virtual const plant::PowerPlant& plant() const = 0;
-  // Faults by name: an alarm of the family ("E.PE"), or a cause ("earth_fault", "output_phase_open", "brake_transistor",
+  // Faults by name: an alarm of the family ("E.PE"), which is an event and stays until reset, or a cause ("earth_fault", "output_phase_open", "brake_transistor",
   // "eeprom_write", "option", "external_thermal"). on = false removes a cause.
   virtual Outcome inject_fault(std::string_view fault, bool on) = 0;
   virtual std::vector<std::string_view> injectable_faults() const = 0;

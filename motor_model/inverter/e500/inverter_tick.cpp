@@ -174,6 +174,7 @@ E500Inverter::Inputs E500Inverter::read_inputs() {
     case OperationMode::kNetwork: {
       const bool network_operates = store_.integer(pr::kOperationRight) == 0;
       const bool network_sets_speed = store_.integer(pr::kSpeedRight) == 0;
+      if (store_.integer(pr::kOperationMode) == 7) in.output_stop = false;
       if (network_operates) {
         in.signals = in.signals.only({~kOperationSignals.bits}) | from_network.only(kOperationSignals);
         in.output_stop = in.output_stop || from_network.has(InputSignal::kMrs);
