@@ -15,8 +15,8 @@ using port::NetTerminal;
 using port::OperationMode;
 
 constexpr double kPeriod_s = to_seconds(Inverter::kControlPeriod);
-constexpr double kCurrentMonitor_s = 0.1;       // filter of the current monitor
-constexpr double kFilterUnit_s = 0.005;         // Pr.74: times 2 to the power of the setting
+constexpr double kCurrentMonitor_s = 0.1;  // filter of the current monitor
+constexpr double kFilterUnit_s = 0.005;    // Pr.74: times 2 to the power of the setting
 constexpr double kAmFullScale_v = 10;
 constexpr std::int64_t kHourMeterSaved_s = 3600;
 
@@ -30,9 +30,7 @@ constexpr InputSignals kSpeedSignals =
     mask_of({InputSignal::kRl, InputSignal::kRm, InputSignal::kRh, InputSignal::kRex});
 constexpr InputSignals kOperationSignals = mask_of({InputSignal::kRt, InputSignal::kX18});
 
-std::uint16_t to_word(double value) {
-  return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 65535L));
-}
+std::uint16_t to_word(double value) { return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 65535L)); }
 
 }  // namespace
 
@@ -204,8 +202,8 @@ E500Inverter::Inputs E500Inverter::read_inputs() {
 double E500Inverter::terminal_2_percent() {
   const double full_scale_v = store_.integer(pr::kVoltageRange) == 0 ? 5 : 10;
   const bool by_converter = v_.mode == OperationMode::kNetwork && v_.network.converter;
-  const double percent = by_converter ? *v_.network.converter * 100.0 / 255
-                                      : std::min(100.0, wiring_.terminal_2_v / full_scale_v * 100);
+  const double percent =
+      by_converter ? *v_.network.converter * 100.0 / 255 : std::min(100.0, wiring_.terminal_2_v / full_scale_v * 100);
   const double filter_s = kFilterUnit_s * std::exp2(store_.integer(pr::kInputFilter));
   return v_.input_2.step(percent, kPeriod_s, filter_s);
 }
@@ -267,8 +265,7 @@ double E500Inverter::set_frequency(const Inputs& inputs) {
     pid.upper_limit_percent = limit(pr::kPidUpper, 1e9);
     pid.lower_limit_percent = limit(pr::kPidLower, -1e9);
     // Set point: Pr.133 where panel or network set the speed, else terminal 2. Measured value: terminal 4.
-    const double set_point =
-        panel_sets || network_sets ? store_.value(pr::kPidSetPoint) : share(percent_2, line_2);
+    const double set_point = panel_sets || network_sets ? store_.value(pr::kPidSetPoint) : share(percent_2, line_2);
     return v_.pid.step(kPeriod_s, pid, set_point, share(percent_4, line_4)) / 100 * line_2.gain_hz;
   }
   v_.pid.reset();

@@ -1,7 +1,6 @@
 // Alarms of the FR-E500: every row of alarms.csv by injection with code, history, status, output, reset and retry; the
 // causes that a user can inject; Pr.65, 67-69, Pr.75.
 #include "bench.hpp"
-
 #include "motor_model/inverter/e500/inverter.hpp"
 
 namespace vinv::inverter::test {
@@ -40,7 +39,7 @@ TEST(Alarm, EveryRowShutsTheOutputOffAndIsReportedAndReset) {
     EXPECT_FALSE(b.port().status().ready);
     EXPECT_TRUE(b.output("ABC"));
     EXPECT_FALSE(b->plant().measurements().gates_on);
-    EXPECT_GT(b.signal("speed"), 300);                 // coasts
+    EXPECT_GT(b.signal("speed"), 300);  // coasts
     // Data communication goes on, and the start command still stands.
     EXPECT_TRUE(b.port().ready());
     b.run(0.5);
@@ -143,7 +142,7 @@ TEST(Retry, RestartsSilentlyAndCountsSuccess) {
   EXPECT_EQ(b->alarm_name(), "");
   EXPECT_TRUE(b.port().status().running);
   EXPECT_EQ(b.raw(69), 0u);
-  b.run(2.5);                            // five waiting times without trouble
+  b.run(2.5);  // five waiting times without trouble
   EXPECT_EQ(b.raw(69), 1u);
   EXPECT_EQ(b.port().alarm_history()[0], 0x11);
   ASSERT_TRUE(b.command({}));

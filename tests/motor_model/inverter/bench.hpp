@@ -83,7 +83,8 @@ class Bench {
     return write(request);
   }
   port::WriteOutcome frequency(double hz) {
-    return write({.kind = port::WriteRequest::Kind::kFrequency, .value = static_cast<std::uint32_t>(std::lround(hz * 100))});
+    return write(
+        {.kind = port::WriteRequest::Kind::kFrequency, .value = static_cast<std::uint32_t>(std::lround(hz * 100))});
   }
   port::WriteOutcome reset() { return write({.kind = port::WriteRequest::Kind::kResetInverter}); }
   std::uint32_t raw(unsigned number, unsigned sub = 0) {
@@ -130,7 +131,8 @@ class Bench {
 
 inline testing::AssertionResult refused(const port::WriteOutcome& outcome, port::Refusal why) {
   if (outcome) return testing::AssertionFailure() << "accepted";
-  if (outcome.error() != why) return testing::AssertionFailure() << "refused with reason " << static_cast<int>(outcome.error());
+  if (outcome.error() != why)
+    return testing::AssertionFailure() << "refused with reason " << static_cast<int>(outcome.error());
   return testing::AssertionSuccess();
 }
 

@@ -51,7 +51,7 @@ TEST(Terminals, MrsStopsTheOutputAndPr17TurnsItsSense) {
   b.terminal("MRS");
   b.run(0.002);
   EXPECT_FALSE(b.port().status().running);
-  EXPECT_GT(b.signal("speed"), 500);   // coasts
+  EXPECT_GT(b.signal("speed"), 500);  // coasts
   b.terminal("MRS", false);
   b.terminal("STF", false);
   b.run(2);
@@ -59,7 +59,7 @@ TEST(Terminals, MrsStopsTheOutputAndPr17TurnsItsSense) {
   ASSERT_TRUE(b.write_parameter(17, 2));
   ASSERT_TRUE(b.net(false));
   b.terminal("STF");
-  EXPECT_TRUE(stands(b));              // normally closed now
+  EXPECT_TRUE(stands(b));  // normally closed now
   b.terminal("MRS");
   EXPECT_TRUE(runs_at(b, 30));
 }
@@ -79,7 +79,7 @@ TEST(Terminals, Pr17ActsOnlyAfterTheInverterHasStopped) {
 }
 
 TEST(Terminals, SelfHoldingKeepsAPulse) {
-  Bench b = fast({{"Pr.180", 5}});     // RL is STOP
+  Bench b = fast({{"Pr.180", 5}});  // RL is STOP
   b.terminal("RM");
   b.terminal("RL");
   b.terminal("STF");
@@ -94,7 +94,7 @@ TEST(Terminals, Pr250ReadsStrAsDirectionAndCoasts) {
   Bench b = fast({{"Pr.250", 1000}});
   b.terminal("RM");
   b.terminal("STR");
-  EXPECT_TRUE(stands(b));              // a direction alone starts nothing
+  EXPECT_TRUE(stands(b));  // a direction alone starts nothing
   b.terminal("STF");
   EXPECT_TRUE(runs_at(b, 30));
   EXPECT_TRUE(b.port().status().reverse);
@@ -115,12 +115,12 @@ TEST(Terminals, Pr78ForbidsReverse) {
 }
 
 TEST(Terminals, RtSelectsTheSecondRamp) {
-  Bench b = fast({{"Pr.183", 3}, {"Pr.44", 5}});   // MRS is RT
+  Bench b = fast({{"Pr.183", 3}, {"Pr.44", 5}});  // MRS is RT
   b.terminal("RH");
   b.terminal("MRS");
   b.terminal("STF");
   b.run(1);
-  EXPECT_NEAR(b.output_hz(), 10, 0.6);             // 50 Hz in 5 s
+  EXPECT_NEAR(b.output_hz(), 10, 0.6);  // 50 Hz in 5 s
 }
 
 TEST(Terminals, RexReachesSpeed8To15) {
@@ -135,7 +135,7 @@ TEST(Terminals, RexReachesSpeed8To15) {
 TEST(Terminals, OhTripsWhenItsContactOpens) {
   Bench b = fast({{"Pr.180", 7}});
   b.run(0.01);
-  EXPECT_EQ(b->alarm_name(), "E.OHT");             // open from the start
+  EXPECT_EQ(b->alarm_name(), "E.OHT");  // open from the start
   b.terminal("RL");
   b.key(PanelKey::kStopReset);
   b.run(1.1);
@@ -158,7 +158,7 @@ TEST(Terminals, X16SwitchesBetweenPuAndExternalWithPr79Is8) {
   b.terminal("RM");
   b.run(0.5);
   b.terminal("MRS", false);
-  EXPECT_TRUE(runs_at(b, 30));                     // inhibited while running
+  EXPECT_TRUE(runs_at(b, 30));  // inhibited while running
   b.terminal("STF", false);
   ASSERT_TRUE(stands(b));
   EXPECT_EQ(b.port().operation_mode(), OperationMode::kPu);
@@ -171,7 +171,7 @@ TEST(Terminals, MrsIsTheInterlockOfPuOperationWithPr79Is7) {
   b.pu();
   ASSERT_TRUE(b->set_panel_frequency(25).has_value());
   b.key(PanelKey::kFwd);
-  EXPECT_TRUE(runs_at(b, 25));                     // no output stop in PU operation
+  EXPECT_TRUE(runs_at(b, 25));  // no output stop in PU operation
   b.terminal("MRS", false);
   EXPECT_TRUE(stands(b));
   EXPECT_EQ(b.port().operation_mode(), OperationMode::kExternal);
@@ -239,8 +239,8 @@ TEST(Outputs, EachAssignmentShowsItsSignal) {
     EXPECT_FALSE(output_with(function, false)) << function;
     EXPECT_TRUE(output_with(function, true)) << function;
   }
-  EXPECT_TRUE(output_with(11, false));             // RY
-  EXPECT_FALSE(output_with(13, true));             // Y13: there is current
+  EXPECT_TRUE(output_with(11, false));  // RY
+  EXPECT_FALSE(output_with(13, true));  // Y13: there is current
   EXPECT_FALSE(output_with(99, true));
 }
 
@@ -302,7 +302,7 @@ TEST(Frequency, Terminal4NeedsAuAndTakesTheSpeedFromTerminal2) {
   b.terminal("MRS");
   EXPECT_TRUE(runs_at(b, 25));
   b.terminal("RM");
-  EXPECT_TRUE(runs_at(b, 30));         // a speed signal goes before both
+  EXPECT_TRUE(runs_at(b, 30));  // a speed signal goes before both
 }
 
 TEST(Frequency, Pr74FiltersTheInput) {
@@ -327,7 +327,7 @@ TEST(Frequency, CombinedModesSplitStartAndSpeed) {
   Bench two = fast({{"Pr.79", 4}});
   EXPECT_FALSE(two->set_panel_frequency(22).has_value());
   ASSERT_TRUE(two->set_analog("2", 4).has_value());
-  two.terminal("STR");                 // has no meaning here
+  two.terminal("STR");  // has no meaning here
   EXPECT_TRUE(stands(two));
   two.key(PanelKey::kFwd);
   EXPECT_TRUE(runs_at(two, 20));
@@ -346,7 +346,7 @@ TEST(Frequency, PuOperationIgnoresSpeedSignals) {
 }
 
 TEST(Frequency, RemoteSettingByRhRmAndRl) {
-  Bench b = fast({{"Pr.59", 1}, {"Pr.44", 5}});    // 10 Hz per second
+  Bench b = fast({{"Pr.59", 1}, {"Pr.44", 5}});  // 10 Hz per second
   b.terminal("STF");
   b.terminal("RH");
   b.run(2);
@@ -378,11 +378,11 @@ TEST(Frequency, PidRaisesTheOutputWhileTheMeasuredValueIsLow) {
   b.run(1);
   const double early = b.output_hz();
   EXPECT_GT(early, 10);
-  EXPECT_TRUE(b.output("FU"));                       // FDN: below 30 %
+  EXPECT_TRUE(b.output("FU"));  // FDN: below 30 %
   b.run(1);
   EXPECT_GT(b.output_hz(), early + 3);
   const double high = b.output_hz();
-  ASSERT_TRUE(b->set_analog("4", 12.8).has_value()); // 55 %
+  ASSERT_TRUE(b->set_analog("4", 12.8).has_value());  // 55 %
   b.run(1);
   EXPECT_FALSE(b.output("FU"));
   EXPECT_LT(b.output_hz(), high - 10);
@@ -423,7 +423,11 @@ TEST(Panel, KeysRunStopAndChangeTheMode) {
   b.key(PanelKey::kDown);
   EXPECT_TRUE(runs_at(b, 19.9));
   b.key(PanelKey::kSet);
-  EXPECT_EQ(b->display(), [&] { char t[16]; std::snprintf(t, sizeof t, "%.2f", b.output_a()); return std::string(t); }());
+  EXPECT_EQ(b->display(), [&] {
+    char t[16];
+    std::snprintf(t, sizeof t, "%.2f", b.output_a());
+    return std::string(t);
+  }());
   b.key(PanelKey::kStopReset);
   EXPECT_TRUE(stands(b));
   b.key(PanelKey::kPuExt);
@@ -465,7 +469,7 @@ TEST(Panel, StopOutsidePuOperationIsPsUntilReleased) {
   b.terminal("RM");
   b.terminal("STF");
   ASSERT_TRUE(runs_at(b, 30));
-  b.key(PanelKey::kStopReset);         // Pr.75 = 14
+  b.key(PanelKey::kStopReset);  // Pr.75 = 14
   EXPECT_TRUE(stands(b));
   EXPECT_EQ(b->display(), "PS");
   EXPECT_EQ(b->press_key(PanelKey::kPuExt).error(), "PS: the start signals must be off first");
@@ -487,7 +491,7 @@ TEST(Panel, DisplayFollowsPr52AndPr37) {
   Bench b = fast({{"Pr.52", 100}, {"Pr.37", 1800}});
   b.terminal("RM");
   b.run(0.1);
-  EXPECT_EQ(b->display(), "900.0");    // set frequency 30 Hz as machine speed
+  EXPECT_EQ(b->display(), "900.0");  // set frequency 30 Hz as machine speed
   Bench hours = fast({{"Pr.52", 23}});
   EXPECT_EQ(hours->display(), "0");
 }
@@ -542,7 +546,7 @@ TEST(AutoTuning, MeasuresTheStatorResistanceAtStandstill) {
     const double r1 = plant::find_machine(machine)->R_s_ohm;
     EXPECT_NEAR(b->get_parameter("Pr.90").value(), r1, 0.02 * r1) << machine;
     b.run(1);
-    EXPECT_FALSE(b.port().status().running);       // waits for a new start
+    EXPECT_FALSE(b.port().status().running);  // waits for a new start
     ASSERT_TRUE(b.command({}));
     ASSERT_TRUE(b.command({NetTerminal::kStf}));
     b.run(3);

@@ -127,7 +127,7 @@ TEST(Trip, MainsThatAreTooHighTripOverVoltage) {
   EXPECT_THAT(b->alarm_name(), testing::StartsWith("E.OV"));
   b.key(PanelKey::kStopReset);
   b.run(1.2);
-  EXPECT_THAT(b->alarm_name(), testing::StartsWith("E.OV"));   // the cause is still there
+  EXPECT_THAT(b->alarm_name(), testing::StartsWith("E.OV"));  // the cause is still there
 }
 
 // --- mains dips: Pr.57 and 58 ---
@@ -176,7 +176,7 @@ TEST(PowerFailure, WithRestartTheDriveCatchesTheMotor) {
   ASSERT_TRUE(reached(b, 50));
   dip(b, 0.1);
   b.run(0.3);
-  EXPECT_FALSE(b.port().status().running);   // waits Pr.57
+  EXPECT_FALSE(b.port().status().running);  // waits Pr.57
   ASSERT_TRUE(b.run_until([&] { return b.port().status().running; }, 2));
   ASSERT_TRUE(reached(b, 50)) << b->alarm_name() << " " << b->alarm_cause();
   EXPECT_FALSE(b.port().status().power_failure);
