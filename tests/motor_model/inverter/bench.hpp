@@ -136,4 +136,22 @@ inline testing::AssertionResult refused(const port::WriteOutcome& outcome, port:
   return testing::AssertionSuccess();
 }
 
+// Short ramps, so that a second shows what a command does.
+inline Bench fast(std::initializer_list<std::pair<std::string, double>> presets = {}) {
+  Bench b;
+  b.preset("Pr.7", 0.2);
+  b.preset("Pr.8", 0.2);
+  for (const auto& [name, value] : presets) b.preset(name, value);
+  b.power_on();
+  return b;
+}
+inline bool runs_at(Bench& b, double hz) {
+  b.run(1.2);
+  return b.port().status().running && std::abs(b.output_hz() - hz) < 0.02;
+}
+inline bool stands(Bench& b) {
+  b.run(1.5);
+  return !b.port().status().running;
+}
+
 }  // namespace vinv::inverter::test

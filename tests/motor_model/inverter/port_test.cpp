@@ -10,13 +10,6 @@ using port::OperationMode;
 using port::Refusal;
 using Kind = port::WriteRequest::Kind;
 
-Bench fast() {
-  Bench b;
-  b.preset("Pr.7", 0.2);
-  b.preset("Pr.8", 0.2);
-  b.power_on();
-  return b;
-}
 Bench fast_in_net() {
   Bench b = fast();
   EXPECT_TRUE(b.net().has_value());
