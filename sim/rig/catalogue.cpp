@@ -45,17 +45,6 @@ constexpr CurrentInput kCurrentInputs[] = {{"fr-e500", "4"}};
 
 }  // namespace
 
-Catalogue shipped_catalogue() {
-  Catalogue c;
-  c.make_inverter = inverter::make_inverter;
-  c.families = inverter::families;
-  c.models = inverter::models;
-  c.make_board = boards::make_board;
-  c.board_types = boards::board_types;
-  c.board_families = boards::board_families;
-  return c;
-}
-
 bool rating_of_model(std::string_view model, double& power_w, double& voltage_v_rms) {
   // <series><2|4>0-<kW>K...: the digit before the 0 is the voltage class in hundreds of volts.
   const std::size_t dash = model.rfind('-');

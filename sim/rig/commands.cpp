@@ -125,7 +125,7 @@ Json power(const Context& c) {
   // Long enough for the control supply to be gone for good.
   constexpr Duration kOffTime = std::chrono::seconds(2);
   c.plant.set_power(c.drive, false);
-  c.drive.power_returns = scheduler.schedule(scheduler.now() + kOffTime, kernel::Priority::kStimulus,
+  c.drive.power_returns = scheduler.schedule(c.plant.now() + kOffTime, kernel::Priority::kStimulus,
                                              [&plant = c.plant, &drive = c.drive](Instant) {
                                                drive.power_returns = 0;
                                                plant.set_power(drive, true);
@@ -147,7 +147,7 @@ Json mains(const Context& c) {
     auto& scheduler = c.plant.scheduler();
     if (c.drive.dip_ends != 0) scheduler.cancel(c.drive.dip_ends);
     c.drive.dip_fraction = depth;
-    c.drive.dip_ends = scheduler.schedule(scheduler.now() + seconds_to_duration(seconds), kernel::Priority::kStimulus,
+    c.drive.dip_ends = scheduler.schedule(c.plant.now() + seconds_to_duration(seconds), kernel::Priority::kStimulus,
                                           [&drive = c.drive](Instant) {
                                             drive.dip_ends = 0;
                                             drive.dip_fraction = 0;
@@ -262,7 +262,7 @@ Json reset(const Context& c) {
   set_terminal(c, "RES", true);
   if (c.drive.reset_released != 0) scheduler.cancel(c.drive.reset_released);
   c.drive.reset_released =
-      scheduler.schedule(scheduler.now() + kResetPulse, kernel::Priority::kStimulus, [&drive = c.drive](Instant) {
+      scheduler.schedule(c.plant.now() + kResetPulse, kernel::Priority::kStimulus, [&drive = c.drive](Instant) {
         drive.reset_released = 0;
         // The terminal exists: it was switched on above.
         static_cast<void>(drive.inverter->set_terminal("RES", false));
@@ -382,7 +382,7 @@ Json status(const Context& c) {
   out["name"] = c.drive.spec.name;
   out["family"] = inv.family();
   out["model"] = inv.model();
-  out["time_s"] = to_seconds(c.plant.scheduler().now());
+  out["time_s"] = to_seconds(c.plant.now());
   out["powered"] = inv.powered();
   out["ready"] = drive_port.ready();
   out["mode"] = mode_name(drive_port.operation_mode());

@@ -8,7 +8,7 @@
 namespace vinv::rig {
 
 Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
-    : file_(std::move(file)), scheduler_(scheduler), lines_(file_.serial.size()), drives_on_line_(file_.serial.size()) {
+    : file_(std::move(file)), scheduler_(scheduler), clock_(std::move(options.clock)), lines_(file_.serial.size()), drives_on_line_(file_.serial.size()) {
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
   for (const DriveSpec& spec : file_.drives) {
     drives_.push_back(build(spec, options));
@@ -111,10 +111,9 @@ void Plant::inputs(DriveUnit& d) {
 }
 
 void Plant::start() {
-  const Instant now = scheduler_.now();
   for (const auto& d : drives_)
     if (d->spec.power) set_power(*d, true);
-  tick_event_ = scheduler_.schedule_every(now + inverter::Inverter::kControlPeriod, inverter::Inverter::kControlPeriod,
+  tick_event_ = scheduler_.schedule_every(scheduler_.now() + inverter::Inverter::kControlPeriod, inverter::Inverter::kControlPeriod,
                                           kernel::Priority::kDrive, [this](Instant at) { tick(at); });
 }
 
@@ -123,10 +122,9 @@ DriveUnit* Plant::find(std::string_view name) {
   return it == drives_.end() ? nullptr : it->get();
 }
 
-void Plant::connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream,
-                           SerialLine::FarEndBaud far_end_baud, SerialLine::OnSettings on_settings) {
-  lines_[line].connect(std::move(stream), std::move(far_end_baud), std::move(on_settings), [this, line](Instant now) {
-    for (DriveUnit* d : drives_on_line_[line]) settle(now, *d);
+void Plant::connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options) {
+  lines_[line].connect(now(), std::move(stream), std::move(options), [this, line](Instant at) {
+    for (DriveUnit* d : drives_on_line_[line]) settle(at, *d);
   });
 }
 
@@ -136,8 +134,8 @@ void Plant::accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports
 
 void Plant::set_power(DriveUnit& drive, bool on) {
   drive.inverter->set_power(on);
-  follow_power(scheduler_.now(), drive);
-  settle(scheduler_.now(), drive);
+  follow_power(now(), drive);
+  settle(now(), drive);
 }
 
 void Plant::follow_power(Instant now, DriveUnit& d) {
@@ -162,7 +160,7 @@ void Plant::tick(Instant now) {
 void Plant::settle(Instant now, DriveUnit& d) {
   if (!d.board) return;
   if (boards::SerialChannel* channel = d.board->serial_channel(); channel != nullptr && d.spec.board->serial) {
-    SerialLine& line = lines_[*d.spec.board->serial];
+    BoardLine& line = lines_[*d.spec.board->serial];
     while (const auto frame = channel->poll_transmit(now)) line.send(now, *frame);
     line.follow_settings();
   }
@@ -174,7 +172,7 @@ void Plant::settle(Instant now, DriveUnit& d) {
   if (!deadline) return;
   DriveUnit* drive = &d;
   d.board_event =
-      scheduler_.schedule(std::max(*deadline, scheduler_.now()), kernel::Priority::kBoard, [this, drive](Instant at) {
+      scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard, [this, drive](Instant at) {
         drive->board_event = 0;
         drive->board_deadline.reset();
         drive->board->handle_timeout(at);

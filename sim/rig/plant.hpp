@@ -16,7 +16,7 @@
 #include "sim/rig/catalogue.hpp"
 #include "sim/rig/drive_unit.hpp"
 #include "sim/rig/plant_file.hpp"
-#include "sim/rig/serial_line.hpp"
+#include "sim/rig/board_line.hpp"
 #include "sim/rig/tcp_port.hpp"
 
 namespace vinv::rig {
@@ -27,6 +27,8 @@ struct PlantOptions {
   std::function<std::optional<std::string>(const std::string& drive)> stored_eeprom;
   // A stored EEPROM was refused, for this reason.
   std::function<void(const std::string& drive, const std::string& reason)> damaged_eeprom;
+  // Time now. Default: the scheduler's; an event loop knows it better between two events.
+  std::function<Instant()> clock;
 };
 
 class Plant {
@@ -43,13 +45,13 @@ class Plant {
 
   const PlantFile& file() const { return file_; }
   kernel::Scheduler& scheduler() { return scheduler_; }
+  Instant now() const { return clock_ ? clock_() : scheduler_.now(); }
   std::vector<std::unique_ptr<DriveUnit>>& drives() { return drives_; }
   const std::vector<std::unique_ptr<DriveUnit>>& drives() const { return drives_; }
   DriveUnit* find(std::string_view name);
 
   // Wires, by their index in the plant file.
-  void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream,
-                      SerialLine::FarEndBaud far_end_baud = {}, SerialLine::OnSettings on_settings = {});
+  void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
 
   // The drive's own breaker; its board follows.
@@ -70,8 +72,9 @@ class Plant {
 
   PlantFile file_;
   kernel::Scheduler& scheduler_;
+  std::function<Instant()> clock_;
   std::vector<std::unique_ptr<DriveUnit>> drives_;
-  std::vector<SerialLine> lines_;
+  std::vector<BoardLine> lines_;
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;
   kernel::EventId tick_event_ = 0;

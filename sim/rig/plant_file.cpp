@@ -570,7 +570,7 @@ class Loader {
         if (!e.empty)
           if (const auto value =
                   read_number(e.value, "analog terminal " + e.key + " of " + d.name, {-30, 30}, problems_))
-            d.analog.push_back({{e.key, e.at}, *value});
+            d.analog.push_back({{e.key.substr(e.key.starts_with("terminal_") ? 9 : 0), e.at}, *value});
     }
   }
 

@@ -12,23 +12,27 @@
 
 namespace vinv::rig {
 
-class SerialLine {
+// What the line's carrier can do besides bytes; all optional.
+struct LineOptions {
+  // Speed of the other end where it can be seen (a pseudo-terminal); empty while it is not known, taken as right.
+  std::function<std::optional<std::uint32_t>()> far_end_baud;
+  // The line as the boards want it from now on; the first board decides.
+  std::function<void(const boards::LineSettings&)> on_settings;
+  // How late the driver hands over characters, see boards::SerialChannel.
+  Duration receive_slack{};
+};
+
+class BoardLine {
  public:
-  // Speed of the other end where the transport can see it (a pseudo-terminal); empty: not known, taken as right.
-  using FarEndBaud = std::function<std::optional<std::uint32_t>()>;
-  // The line as the boards want it now: the first board that listens decides. Called when it changes.
-  using OnSettings = std::function<void(const boards::LineSettings&)>;
   // Bytes have gone in; the owner then settles the boards of this line.
   using OnTraffic = std::function<void(Instant now)>;
 
   // The channel outlives the line.
   void add(boards::SerialChannel& channel) { channels_.push_back(&channel); }
-  void connect(std::unique_ptr<transports::ByteStream> stream, FarEndBaud far_end_baud, OnSettings on_settings,
-               OnTraffic on_traffic);
-  bool connected() const { return stream_ != nullptr; }
+  void connect(Instant now, std::unique_ptr<transports::ByteStream> stream, LineOptions options, OnTraffic on_traffic);
 
   void send(Instant now, ByteView frame);
-  // Tells the transport when the boards want other settings than before.
+  // Tells the carrier when the boards want other settings than before.
   void follow_settings();
 
  private:
@@ -36,8 +40,7 @@ class SerialLine {
 
   std::vector<boards::SerialChannel*> channels_;
   std::unique_ptr<transports::ByteStream> stream_;
-  FarEndBaud far_end_baud_;
-  OnSettings on_settings_;
+  LineOptions options_;
   OnTraffic on_traffic_;
   std::optional<boards::LineSettings> told_;
 };
