@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -35,14 +34,6 @@ void sync_folder(const std::string& folder) {
 }
 
 }  // namespace
-
-std::string default_state_folder(const std::string& plant) {
-  // The XDG specification: a relative path is to be ignored.
-  const char* state = std::getenv("XDG_STATE_HOME");
-  if (state != nullptr && state[0] == '/') return std::string(state) + "/vinverter/" + plant;
-  const char* home = std::getenv("HOME");
-  return std::string(home != nullptr && home[0] == '/' ? home : "/tmp") + "/.local/state/vinverter/" + plant;
-}
 
 void write_whole_file(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".new";
@@ -135,6 +126,11 @@ void EepromStore::store(const std::string& drive, std::string text) {
 std::string EepromStore::flush() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return queued_.empty() && !writing_; });
+  return std::exchange(failure_, {});
+}
+
+std::string EepromStore::take_failure() {
+  const std::lock_guard guard(mutex_);
   return std::exchange(failure_, {});
 }
 

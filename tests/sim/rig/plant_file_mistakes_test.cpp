@@ -18,7 +18,7 @@ struct Mistake {
 const Mistake kMistakes[] = {
     {"EmptyFile", "", "p.yaml:1:1: the file is empty; a plant needs at least \"drives:\" with one drive."},
     {"OnlyAComment", "# nothing\n", "p.yaml:1:1: the file is empty; a plant needs at least \"drives:\" with one drive."},
-    {"Tabs", "drives:\n\t- name: a\n", "p.yaml:2:1: this is not YAML: "},
+    {"Tabs", "drives:\n\t- name: a\n", "p.yaml:2:2: this is not YAML: "},
     {"UnclosedBrace", "drives:\n  - { name: a\n", "p.yaml:3:1: this is not YAML: "},
     {"TwoDocuments", "drives: [{}]\n---\ndrives: [{}]\n", "p.yaml:3:1: a second document (---) begins here; a plant file is one document."},
     {"AListAtTheTop", "- name: a\n", "p.yaml:1:1: the plant file is a list; allowed: a mapping with the keys name, networks, drives."},
@@ -51,12 +51,12 @@ const Mistake kMistakes[] = {
     {"MotorFasterThanItsField", "drives:\n  - motor: { preset: iec4p_1k5kW_400V, rated_speed_rpm: 1600 }\n",
      "p.yaml:2:12: motor of drive_1 is refused: "},
     {"NegativeResistance", "drives:\n  - motor: { preset: iec4p_1k5kW_400V, R_s_ohm: -1 }\n",
-     "p.yaml:2:51: R_s_ohm in motor of drive_1 is -1; allowed: more than 0, up to 100000."},
+     "p.yaml:2:49: R_s_ohm in motor of drive_1 is -1; allowed: more than 0, up to 100000."},
     {"NumberWithUnit", "drives:\n  - load: { inertia_kg_m2: 0.02 kg m2 }\n",
-     "p.yaml:2:30: inertia_kg_m2 in load of drive_1 is \"0.02 kg m2\"; allowed: a plain number, 0 to 1000000, without quotes "
+     "p.yaml:2:28: inertia_kg_m2 in load of drive_1 is \"0.02 kg m2\"; allowed: a plain number, 0 to 1000000, without quotes "
      "and without a unit (the unit is part of the key)."},
     {"QuotedNumber", "drives:\n  - load: { inertia_kg_m2: \"0.02\" }\n",
-     "p.yaml:2:30: inertia_kg_m2 in load of drive_1 is quoted text; allowed: a plain number, 0 to 1000000, without quotes "
+     "p.yaml:2:28: inertia_kg_m2 in load of drive_1 is quoted text; allowed: a plain number, 0 to 1000000, without quotes "
      "and without a unit (the unit is part of the key)."},
     {"NotANumber", "drives:\n  - ambient_C: .nan\n", "p.yaml:2:16: ambient_C in drive 1 is \".nan\"; allowed: a plain number, -40 to 100, "},
     {"CommaForAPoint", "drives:\n  - brake_resistor_ohm: 1,5\n", "p.yaml:2:25: brake_resistor_ohm in drive 1 is \"1,5\"; allowed: a plain number, 0 to 1000000, "},
@@ -72,7 +72,7 @@ const Mistake kMistakes[] = {
     {"TablePointLacksTorque", "drives:\n  - load: { torque: { table: [ {time_s: 2} ] } }\n",
      "p.yaml:2:32: a point in table of drive_1 needs both time_s and torque_Nm."},
     {"MainsTooHigh", "drives:\n  - mains: { voltage_V: 4000 }\n", "p.yaml:2:25: voltage_V in mains of drive_1 is 4000; allowed: 0 to 1000."},
-    {"UnknownSolver", "drives:\n  - solver: euler\n", "p.yaml:2:13: solver in drive 1 is \"euler\"; allowed: erk, cvode_bdf, rk4. Did you mean \"erk\"?"},
+    {"UnknownSolver", "drives:\n  - solver: rk5\n", "p.yaml:2:13: solver in drive 1 is \"rk5\"; allowed: erk, cvode_bdf, rk4. Did you mean \"rk4\"?"},
     {"PowerIsNoSwitch", "drives:\n  - power: maybe\n", "p.yaml:2:12: power in drive 1 is \"maybe\"; allowed: on, off."},
     {"UnknownBoard", "drives:\n  - board: { type: oi-fr-e5nc }\n",
      "p.yaml:2:20: type in board of drive_1 is \"oi-fr-e5nc\"; allowed: oi-fr-e5nco. Did you mean \"oi-fr-e5nco\"?"},

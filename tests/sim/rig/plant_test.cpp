@@ -105,8 +105,8 @@ std::string refusal_of(const std::function<void()>& build) {
 
 TEST_F(PlantTest, WhatADriveRefusesOfTheFileIsToldWithItsPlace) {
   const auto told = [&](const std::string& text) { return refusal_of([&] { plant(text); }); };
-  EXPECT_EQ(told("drives:\n  - terminals: { RG: on }\n"),
-            "p.yaml:2:18: drive_1: there is no terminal RG. Did you mean \"RH\"?");
+  EXPECT_EQ(told("drives:\n  - terminals: { STG: on }\n"),
+            "p.yaml:2:18: drive_1: there is no terminal STG. Did you mean \"STF\"?");
   EXPECT_EQ(told("drives:\n  - analog: { 9: 5 }\n"), "p.yaml:2:15: drive_1: there is no analog terminal 9.");
   EXPECT_EQ(told("drives:\n  - parameters:\n      Pr.7: 1\n      Pr.4000: 1\n"),
             "p.yaml:4:7: drive_1: there is no parameter Pr.4000.");
@@ -180,8 +180,12 @@ TEST_F(PlantTest, ABoardWithoutPowerDoesNotAnswer) {
 }
 
 Bytes adu(std::uint8_t unit, const Bytes& pdu, std::uint8_t transaction = 1) {
-  Bytes out{0, transaction, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), unit};
-  out.insert(out.end(), pdu.begin(), pdu.end());
+  Bytes out;
+  append_be16(out, transaction);
+  append_be16(out, 0);
+  append_be16(out, static_cast<std::uint16_t>(pdu.size() + 1));
+  out.push_back(unit);
+  for (const std::uint8_t byte : pdu) out.push_back(byte);
   return out;
 }
 
