@@ -97,6 +97,11 @@ void ParameterStore::clear(ClearKind kind) {
   ++revision_;
 }
 
+void ParameterStore::clear_to_factory() {
+  ram_ = eeprom_ = factory_;
+  ++revision_;
+}
+
 void ParameterStore::load_ram_from_eeprom() {
   ram_ = eeprom_;
   ++revision_;

@@ -95,7 +95,10 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   void follow_mode();
   plant::StageInput control();
   void publish();
+  void change_mode(port::OperationMode next);
   InputSignals assigned(bool rl, bool rm, bool rh, bool mrs) const;
+  InputSignals wired_signals() const;
+  bool has_function(InputSignal signal) const;
   struct Inputs {
     InputSignals signals;               // of the sources that count in this mode
     drive::RunDirection direction = drive::RunDirection::kStop;
@@ -103,12 +106,14 @@ class E500Inverter final : public Inverter, private port::DrivePort {
     bool external_thermal = false;
   };
   Inputs read_inputs();
-  double set_frequency(const Inputs& inputs, bool output_on);
-  double external_frequency(const Inputs& inputs);
+  double set_frequency(const Inputs& inputs);
   double terminal_2_percent();
+  double terminal_4_percent();
   double remote_frequency(const Inputs& inputs, double main_hz);
   const drive::DriveSettings& settings_for(const SettingsSelection& selection);
   plant::StageInput tune(const Inputs& inputs);
+  void store_tuned_resistance(double ohm);
+  void finish_tuning();
 
   // --- alarms (inverter_alarms.cpp) ---
   void raise_trip(const drive::Trip& trip);
@@ -118,6 +123,7 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   std::string trip_cause(const AlarmRow& row, const drive::Trip& trip) const;
   bool reset_accepted() const;          // Pr.75 and the alarm's own rule
   void begin_reset();
+  bool alarm_visible() const;           // not while a retry without alarm output waits
 
   // --- parameters and EEPROM (inverter_parameters.cpp) ---
   Outcome write_from_panel(std::size_t row, double value);

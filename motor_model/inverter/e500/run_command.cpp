@@ -16,7 +16,7 @@ RunDirection StartLatch::step(const StartSignals& in, bool str_is_direction) {
   const bool str_edge = in.str && !last_str_;
   last_stf_ = in.stf;
   last_str_ = in.str;
-  if (!in.stop_hold) {
+  if (!in.stop_hold || (in.stf && in.str && !str_is_direction)) {
     held_stf_ = held_str_ = false;
   } else if (str_is_direction) {
     held_stf_ = held_stf_ || in.stf;

@@ -138,6 +138,7 @@ void set_protections(drive::DriveSettings& s, const ParameterStore& p, const Set
   s.under_voltage_v = m.under_voltage_v;
   s.under_voltage_clear_v = m.under_voltage_clear_v;
   s.heat_sink_trip_c = m.heat_sink_trip_c;
+  s.earth_fault_detection = m.voltage_class_v >= 400 || p.integer(pr::kEarthFaultAtStart) == 1;
   s.output_phase_loss_protection = p.integer(pr::kOutputPhaseLoss) == 1;
   s.chopper_fitted = around.brake_resistor;
   s.chopper_on_v = m.chopper_on_v;

@@ -83,7 +83,6 @@ struct Volatile {
   port::OperationMode mode = port::OperationMode::kExternal;
   Instant ready_at{};
   bool in_reset = false;                   // RES held
-  bool restart_lock = false;               // a power failure without restart: the start signal must go off first
   bool mrs_inverted = false;
   Panel panel;
   Network network;
@@ -93,6 +92,9 @@ struct Volatile {
   AnalogFilter current_monitor;
   drive::Pid pid;
   drive::RemoteSetting remote;
+  double panel_frequency_hz = 0;           // set at the panel; the record keeps what SET stored
+  drive::RunDirection direction = drive::RunDirection::kStop;  // commanded in this tick
+  bool tuned_until_stop = false;
   AutoTuning tuning;
   TuningStatus tuning_status = TuningStatus::kOff;  // beyond what Pr.96 stores
   Retry retry;
