@@ -78,7 +78,7 @@ class Pymodbus(Master):
         if isinstance(answer, ExceptionResponse):
             raise ModbusException(answer.exception_code)
         if answer.isError():
-            if "No Response" in str(answer):
+            if "no response" in str(answer).lower():
                 raise Silence(str(answer))
             raise AssertionError(answer)
         return answer
