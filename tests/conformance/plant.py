@@ -112,15 +112,15 @@ class Plant:
         entry = next(d for d in self.ready["drives"] if d["name"] == drive)
         return next(e for e in entry["endpoints"] if e["protocol"] == protocol)
 
-    def ctl(self, method, **params):
-        """One command on the control socket (JSON-RPC 2.0, one line each)."""
+    def ctl(self, drive, command, *words):
+        """One command on the control socket (JSON-RPC 2.0, one line each), in the words of `vinverter ctl`."""
         if not self.control:
-            connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-            connection.settimeout(30)
-            connection.connect(self.ready["control"])
-            self.control = connection.makefile("rw", encoding="utf-8", newline="\n")
-            connection.close()  # the file keeps it open
-        self.control.write(json.dumps({"jsonrpc": "2.0", "id": 1, "method": method, "params": params}) + "\n")
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
+                connection.settimeout(30)
+                connection.connect(self.ready["control"])
+                self.control = connection.makefile("rw", encoding="utf-8", newline="\n")
+        request = {"jsonrpc": "2.0", "id": 1, "method": command, "params": {"drive": drive, "words": words}}
+        self.control.write(json.dumps(request) + "\n")
         self.control.flush()
         answer = json.loads(self.control.readline())
         if "error" in answer:
@@ -129,4 +129,4 @@ class Plant:
 
     def signals(self, drive):
         """The drive's named live values."""
-        return {s["name"]: s["value"] for s in self.ctl("status", drive=drive)["signals"]}
+        return {name: signal["value"] for name, signal in self.ctl(drive, "status")["signals"].items()}
