@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,7 +51,7 @@ struct LossSettings {
   double viscous_nm_s = 0;                // friction torque = viscous * omega_mech
   double coulomb_nm = 0;                  // dry friction, opposes rotation
 };
-// What a real drive of this motor's size has: drive_behaviour numbers, typical for the family.
+// What a real drive of this motor's size has, typical for the family (losses.cpp says which numbers).
 LossSettings typical_losses(const MachineParameters& machine);
 
 struct DcLinkSettings {
@@ -81,7 +82,8 @@ struct LoadPoint {
   double torque_nm = 0;
 };
 
-// Torque of the driven machine at the motor shaft. Sum of the terms.
+// Torque of the driven machine at the motor shaft. Sum of the terms. Constant and table torque are dry: at standstill
+// they hold the shaft up to their value. A negative table value drives the shaft in its direction of rotation.
 struct LoadSettings {
   double inertia_kg_m2 = 0;               // in addition to the motor's own
   double constant_nm = 0;                 // opposes rotation (reverses sign with it)
@@ -108,6 +110,8 @@ struct PlantConfig {
   double nominal_mains_v_rms = 400;
   double ambient_c = 25;
 };
+// Everything above, each refusal a sentence that names the value and the allowed range.
+Result<void, std::string> validate(const PlantConfig& config);
 
 // What the inverter's control puts on the stage for the coming tick.
 struct StageInput {
@@ -146,6 +150,7 @@ struct PlantMeasurements {
   bool gates_on = false;                  // after comparators
   bool chopper_on = false;
   bool precharge_bypassed = false;
+  double dc_link_ripple_v = 0;            // peak to peak, estimate from the link current; the simulated link is averaged
 };
 
 // Energy counters since construction, for power balances: joules.
@@ -170,12 +175,18 @@ enum class SolverChoice : std::uint8_t {
 
 struct SolverSettings {
   SolverChoice choice = SolverChoice::kErk;
-  double relative_tolerance = 1e-4;
+  double relative_tolerance = 1e-5;
   double fixed_step_s = 250e-6;           // kRk4 only
+};
+
+// The integrator gave up twice at the same place: numerics, never a drive trip. The scenario fails.
+struct SolverFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 class PowerPlant {
  public:
+  // The config must be valid (validate()). The link starts empty, the shaft stands, everything is at ambient.
   explicit PowerPlant(PlantConfig config, SolverSettings solver = {});
   ~PowerPlant();
   PowerPlant(PowerPlant&&) noexcept;
@@ -188,8 +199,11 @@ class PowerPlant {
   void set_shaft_locked(bool locked);
   void set_ambient(double ambient_c);
 
-  // Integrates dt further. Returns the comparator events in time order, at most kMaxEvents; after an over-current or
-  // over-voltage the gates stay shut until the owner has set gates_on = false once.
+  // Integrates dt further with the inputs held; any dt. Returns the comparator events in time order, at most
+  // kMaxEvents; after an event the gates stay shut until the owner has set gates_on = false once. Gates that come on
+  // while the link is still above 97 % of the over-voltage level it has crossed are shut again at once, with an event.
+  // While the gates are shut i_s = 0 and the rotor flux decays in its own frame; the stage resumes with the angle
+  // between voltage and rotor flux that it had when they were shut. Throws SolverFailure.
   static constexpr std::size_t kMaxEvents = 4;
   struct Events {
     std::array<PlantEvent, kMaxEvents> items{};
@@ -204,6 +218,7 @@ class PowerPlant {
   const LoadSettings& load() const;
   bool shaft_locked() const;
   Duration time() const;                  // integrated so far
+  double stored_energy_j() const;         // in the fields, the moving mass and the link capacitor
 
   // Everything that the future depends on. Restoring it on a plant of the same config continues the run; solvers save
   // no history, so a run is reproduced exactly only when both runs restart their solver at that instant.
@@ -213,6 +228,9 @@ class PowerPlant {
   };
   State save() const;
   void restore(const State& state);
+
+  // Starts the solver anew at the next advance(), as restore() does: for a grid on which snapshots may be taken.
+  void restart_solver();
 
   // Right-hand-side evaluations and solver re-initialisations since construction, for benchmarks.
   std::uint64_t rhs_calls() const;

@@ -33,6 +33,9 @@ class SerialChannel {
   virtual void handle_bytes(Instant now, ByteView bytes, bool line_error) = 0;
   // A whole frame to send now; call until empty.
   virtual std::optional<Bytes> poll_transmit(Instant now) = 0;
+  // How late and in what bursts the line's driver hands over characters: 0 for a pseudo-terminal or a scenario, the
+  // FIFO or latency timer of a real tty otherwise. Silence on the line is measured with this much patience.
+  virtual void set_receive_slack(Instant /*now*/, Duration /*slack*/) {}
 };
 
 class OptionBoard {

@@ -13,13 +13,17 @@ namespace vinv::modbus {
 // Who asked: the serial line, or one TCP connection. Chosen by the caller, unique per unit.
 using ClientId = std::uint32_t;
 
+// What a board uses for its own serial line; TCP connections count up from 0.
+inline constexpr ClientId kSerialLineClient = 0xffffffff;
+
 enum class Addressing : std::uint8_t { kUnit, kBroadcast };
 
 class Unit {
  public:
   virtual ~Unit() = default;
 
-  // The unit's address now, 1-247.
+  // The unit's address now, 1-247; 0 while it does not listen (no supply, no valid address). Outstanding requests of a
+  // unit that stops listening are lost: whoever waits asks address() before poll_answer().
   virtual std::uint8_t address() const = 0;
   // Starts a request; a client has at most one outstanding. A broadcast is executed and never answered.
   virtual void handle_request(Instant now, ClientId client, Addressing addressing, ByteView pdu) = 0;

@@ -11,7 +11,9 @@ namespace vinv::kernel {
 
 class LatenessHistogram {
  public:
+  // Early counts as on time.
   void add(Duration late);
+  void merge(const LatenessHistogram& other);
   std::uint64_t count() const { return count_; }
   Duration maximum() const { return maximum_; }
   // Smallest bucket limit below which at least fraction (0 to 1) of the samples lie; 0 if there is no sample.

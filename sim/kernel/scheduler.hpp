@@ -1,8 +1,14 @@
 // The event queue of a plant. Events run in the order (time, priority, sequence of scheduling), whatever the clock.
+//
+// A 4-ary heap over reused slots: once the largest number of waiting events has been seen, the queue itself allocates
+// nothing more. An action that captures more than std::function keeps inline (two pointers) still allocates when it is
+// made, so what runs every tick is one periodic event, or captures little.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "sim/base/time.hpp"
@@ -18,6 +24,9 @@ class Scheduler {
  public:
   using Action = std::function<void(Instant now)>;
 
+  // Limit of events that wait at one time; more is a leak of ours.
+  static constexpr std::size_t kMaxWaiting = std::size_t{1} << 24;
+
   Scheduler();
   ~Scheduler();
   Scheduler(const Scheduler&) = delete;
@@ -32,15 +41,20 @@ class Scheduler {
 
   // Time of the earliest event; empty if there is none.
   std::optional<Instant> next_event_at() const;
-  // Runs everything due up to and including until; now() is then until.
+  // Runs everything due up to and including until; now() is then until. Not from within an action.
   void run_until(Instant until);
+  // Runs the earliest event if it is due by until; false if none is. now() is then that event's time: the step from
+  // which clocks are made. Not from within an action.
+  bool run_next(Instant until);
   // The time of the event that runs, or up to which the last run_until went.
   Instant now() const;
   std::uint64_t events_run() const;
+  // Events waiting now.
+  std::size_t waiting() const;
 
  private:
   struct Impl;
-  Impl* impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace vinv::kernel

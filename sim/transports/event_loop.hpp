@@ -1,4 +1,7 @@
 // Real time: one thread that runs the scheduler's events at their time and serves sockets in between.
+//
+// Neither side can starve the other: overdue events are run for at most a slice, then sockets get a turn; between two
+// socket handlers a due event goes first. Streams and listeners of a loop are destroyed before it.
 #pragma once
 
 #include <functional>
@@ -21,13 +24,15 @@ class EventLoop {
   EventLoop& operator=(const EventLoop&) = delete;
 
   kernel::Scheduler& scheduler();
-  // Transports on this loop complete on its thread, between events, with now() at the real time.
+  // Transports on this loop complete on its thread, between events, with now() as the time.
   asio::io_context& io();
-  // Simulated time now: real time since run() began, never before the last event that ran.
+  // Simulated time now: real time since run() began, never before the last event that ran and never past one that
+  // still waits, so that an engine's time does not go back when the machine is behind. Outside run() it stands still.
   Instant now() const;
-  // Until stop(). If events fall behind, they run as fast as possible in order; nothing is skipped.
+  // Until stop(). If events fall behind, they run as fast as possible in order; nothing is skipped. A further run()
+  // goes on from the time at which the last one stopped.
   void run();
-  // From any thread or an action; run() returns after the current action.
+  // From any thread or an action; run() returns after the current action. Before run(): it returns at once.
   void stop();
   // SIGINT and SIGTERM call this handler on the loop's thread.
   void on_signal(std::function<void(int signal)> handler);

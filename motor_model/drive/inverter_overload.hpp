@@ -1,0 +1,21 @@
+// Overload of the inverter's transistors, inverse time, referred to the rated output current (E.THT).
+#pragma once
+
+namespace vinv::drive {
+
+class InverterOverload {
+ public:
+  // Time to the trip from cold at this multiple of the rated current: 60 s at 1.5, 3 s at 2.0.
+  static double time_to_trip_s(double current_ratio);
+
+  // start_ratio: above it the accumulator fills, below it empties.
+  void step(double dt_s, double current_ratio, double start_ratio);
+  void clear() { fraction_ = 0; }
+  double fraction() const { return fraction_; }   // trip at 1
+  bool tripped() const { return fraction_ >= 1; }
+
+ private:
+  double fraction_ = 0;
+};
+
+}  // namespace vinv::drive

@@ -1,0 +1,114 @@
+#include "motor_model/drive/ramp_generator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "motor_model/drive/s_curve.hpp"
+
+namespace vinv::drive {
+namespace {
+
+// Arrival within this part of a step counts: sums of ticks are not exact.
+constexpr double kArrivalSlack = 1e-9;
+
+double rate_hz_s(double reference_hz, double time_s) {
+  if (time_s <= 0 || reference_hz <= 0) return std::numeric_limits<double>::infinity();
+  return reference_hz / time_s;
+}
+
+}  // namespace
+
+double acceleration_rate_hz_s(const RampTimes& times) { return rate_hz_s(times.reference_hz, times.acceleration_s); }
+double deceleration_rate_hz_s(const RampTimes& times) { return rate_hz_s(times.reference_hz, times.deceleration_s); }
+
+Motion RampGenerator::motion_towards(double target_hz) const {
+  if (target_hz == frequency_hz_) return Motion::kConstant;
+  if (target_hz * frequency_hz_ < 0) return Motion::kDecelerating;
+  return std::abs(target_hz) > std::abs(frequency_hz_) ? Motion::kAccelerating : Motion::kDecelerating;
+}
+
+void RampGenerator::set(double frequency_hz) {
+  frequency_hz_ = frequency_hz;
+  planned_ = false;
+}
+
+void RampGenerator::lower(double by_hz, double floor_hz) {
+  const double magnitude = std::abs(frequency_hz_);
+  const double lowered = std::max(magnitude - by_hz, std::min(floor_hz, magnitude));
+  set(std::copysign(lowered, frequency_hz_));
+}
+
+void RampGenerator::step(double dt_s, double target_hz, const RampTimes& times) {
+  const double target = target_hz * frequency_hz_ < 0 ? 0 : target_hz;
+  const Motion motion = motion_towards(target);
+  if (motion == Motion::kConstant || dt_s <= 0) {
+    if (motion == Motion::kConstant) planned_ = false;
+    return;
+  }
+  const double rate =
+      motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
+  if (times.pattern == RampPattern::kSCurveB) {
+    step_s_curve_b(dt_s, target, rate);
+    return;
+  }
+  planned_ = false;
+  if (times.pattern == RampPattern::kSCurveA && times.s_curve_base_hz > 0) {
+    step_s_curve_a(dt_s, target, motion, times);
+  } else {
+    step_linear(dt_s, target, rate);
+  }
+}
+
+void RampGenerator::step_linear(double dt_s, double target_hz, double rate_hz_s) {
+  const double step_hz = rate_hz_s * dt_s;
+  const double change_hz = target_hz - frequency_hz_;
+  if (std::abs(change_hz) <= step_hz * (1 + kArrivalSlack)) {
+    frequency_hz_ = target_hz;
+  } else {
+    frequency_hz_ += std::copysign(step_hz, change_hz);
+  }
+}
+
+void RampGenerator::step_s_curve_a(double dt_s, double target_hz, Motion motion, const RampTimes& times) {
+  const bool up = motion == Motion::kAccelerating;
+  const double total_s = up ? times.acceleration_s : times.deceleration_s;
+  if (total_s <= 0) {
+    frequency_hz_ = target_hz;
+    return;
+  }
+  // The curve is a function of the frequency alone, so the present frequency says where on it we are.
+  const double sign = std::copysign(1.0, up ? target_hz : frequency_hz_);
+  const double now_s = s_curve_a_time_s(std::abs(frequency_hz_), total_s, times.s_curve_base_hz);
+  const double end_s = s_curve_a_time_s(std::abs(target_hz), total_s, times.s_curve_base_hz);
+  if (std::abs(end_s - now_s) <= dt_s * (1 + kArrivalSlack)) {
+    frequency_hz_ = target_hz;
+  } else {
+    frequency_hz_ = sign * s_curve_a_frequency_hz(up ? now_s + dt_s : now_s - dt_s, total_s, times.s_curve_base_hz);
+  }
+}
+
+void RampGenerator::step_s_curve_b(double dt_s, double target_hz, double rate_hz_s) {
+  const double remaining_hz = target_hz - frequency_hz_;
+  const bool same_direction = planned_ && remaining_hz * plan_change_hz_ > 0;
+  if (!same_direction) {
+    plan_progress_ = 0;
+    plan_change_hz_ = remaining_hz;
+  } else if (target_hz != plan_target_hz_) {
+    // A moved target keeps the present slope, which depends on the progress alone; the curve would otherwise begin anew
+    // at every tick under a moving reference. Further away, the slope belongs to the first half of the new curve.
+    const bool further = std::abs(remaining_hz) > std::abs(plan_target_hz_ - frequency_hz_);
+    if (further && plan_progress_ > 0.5) plan_progress_ = 1 - plan_progress_;
+    plan_change_hz_ = remaining_hz / s_curve_b_remaining(plan_progress_);
+  }
+  planned_ = true;
+  plan_target_hz_ = target_hz;
+  plan_progress_ += dt_s * rate_hz_s / std::abs(plan_change_hz_);
+  if (plan_progress_ >= 1 - kArrivalSlack) {
+    set(target_hz);
+  } else {
+    frequency_hz_ = target_hz - plan_change_hz_ * s_curve_b_remaining(plan_progress_);
+  }
+}
+
+}  // namespace vinv::drive

@@ -1,0 +1,48 @@
+// Acceleration and deceleration: moves the signed frequency towards its target, through zero when the sign changes.
+// Times may change at any tick; they count from 0 to the reference frequency (S-curve A: to its base frequency).
+#pragma once
+
+#include "motor_model/drive/drive_types.hpp"
+
+namespace vinv::drive {
+
+enum class Motion : std::uint8_t { kConstant, kAccelerating, kDecelerating };
+
+struct RampTimes {
+  double acceleration_s = 5;  // 0: immediate
+  double deceleration_s = 5;
+  double reference_hz = 50;
+  double s_curve_base_hz = 50;
+  RampPattern pattern = RampPattern::kLinear;
+};
+
+// The constant rates of the straight ramps, Hz/s; infinite for 0 s.
+double acceleration_rate_hz_s(const RampTimes& times);
+double deceleration_rate_hz_s(const RampTimes& times);
+
+class RampGenerator {
+ public:
+  // One tick towards the target. A tick never crosses zero: a reversal takes the tick that arrives at zero extra.
+  void step(double dt_s, double target_hz, const RampTimes& times);
+  // Lowers the magnitude, not below floor_hz and never upwards.
+  void lower(double by_hz, double floor_hz);
+  void set(double frequency_hz);
+
+  double frequency_hz() const { return frequency_hz_; }
+  // What a step towards this target would do.
+  Motion motion_towards(double target_hz) const;
+
+ private:
+  void step_linear(double dt_s, double target_hz, double rate_hz_s);
+  void step_s_curve_a(double dt_s, double target_hz, Motion motion, const RampTimes& times);
+  void step_s_curve_b(double dt_s, double target_hz, double rate_hz_s);
+
+  // S-curve B under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
+  double frequency_hz_ = 0;
+  double plan_target_hz_ = 0;
+  double plan_change_hz_ = 0;
+  double plan_progress_ = 0;
+  bool planned_ = false;
+};
+
+}  // namespace vinv::drive

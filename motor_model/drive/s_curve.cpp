@@ -1,0 +1,26 @@
+#include "motor_model/drive/s_curve.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace vinv::drive {
+
+double s_curve_a_time_s(double frequency_hz, double total_s, double base_hz) {
+  const double x = frequency_hz / base_hz;
+  if (x <= 0) return 0;
+  if (x <= 0.125) return total_s * std::sqrt(x * 32.0 / 81.0);
+  if (x <= 1) return total_s * (1.0 / 9.0 + x * 8.0 / 9.0);
+  return total_s * (x * x * 4.0 / 9.0 + 5.0 / 9.0);
+}
+
+double s_curve_a_frequency_hz(double time_s, double total_s, double base_hz) {
+  const double x = time_s / total_s;
+  if (x <= 0) return 0;
+  if (x <= 2.0 / 9.0) return base_hz * x * x * 81.0 / 32.0;
+  if (x <= 1) return base_hz * (x - 1.0 / 9.0) * 9.0 / 8.0;
+  return base_hz * std::sqrt((x - 5.0 / 9.0) * 9.0 / 4.0);
+}
+
+double s_curve_b_remaining(double progress) { return 0.5 * (1 + std::cos(std::numbers::pi * progress)); }
+
+}  // namespace vinv::drive

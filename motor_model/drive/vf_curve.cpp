@@ -1,0 +1,40 @@
+#include "motor_model/drive/vf_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace vinv::drive {
+namespace {
+
+double boost_percent(const DriveSettings& s, RunDirection rotation) {
+  switch (s.load_pattern) {
+    case LoadPattern::kHoistBoostForward: return rotation == RunDirection::kReverse ? 0 : s.torque_boost_percent;
+    case LoadPattern::kHoistBoostReverse: return rotation == RunDirection::kReverse ? s.torque_boost_percent : 0;
+    case LoadPattern::kConstantTorque:
+    case LoadPattern::kVariableTorque: break;
+  }
+  return s.torque_boost_percent;
+}
+
+}  // namespace
+
+double vf_voltage_v_rms(const DriveSettings& settings, double frequency_hz, RunDirection rotation,
+                        double current_a_rms) {
+  const double u_base = settings.base_voltage_v_rms;
+  // A base frequency of 0 makes every frequency one of the constant-voltage range.
+  const double x = frequency_hz < settings.base_frequency_hz ? frequency_hz / settings.base_frequency_hz : 1.0;
+  const double shape = settings.load_pattern == LoadPattern::kVariableTorque ? x * x : x;
+  const double u_boost = u_base * boost_percent(settings, rotation) / 100;
+  double u = u_boost + (u_base - u_boost) * shape;
+  if (settings.stator_resistance_compensation_ohm > 0) {
+    // Twice the rated current bounds the positive feedback that the compensation is.
+    const double i = std::min(current_a_rms, 2 * settings.rated_current_a_rms);
+    u = std::max(u, u_base * shape + std::numbers::sqrt3 * settings.stator_resistance_compensation_ohm * i);
+  }
+  return std::clamp(u, 0.0, std::max(u_base, 0.0));
+}
+
+double phase_peak_v(double line_v_rms) { return line_v_rms * std::sqrt(2.0 / 3.0); }
+
+}  // namespace vinv::drive

@@ -1,0 +1,260 @@
+// Construction of an FR-E500, its terminals, supply, injected faults and live signals.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "motor_model/inverter/e500/inverter.hpp"
+#include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "sim/base/check.hpp"
+#include "vinv_inverter_data.hpp"
+
+namespace vinv::inverter::e500 {
+namespace {
+
+struct TerminalName {
+  std::string_view name;
+  Terminal terminal;
+};
+constexpr std::array<TerminalName, kTerminalCount> kInputs{{
+    {"STF", kStf}, {"STR", kStr}, {"RL", kRl}, {"RM", kRm}, {"RH", kRh}, {"MRS", kMrs}, {"RES", kRes},
+}};
+struct OutputName {
+  std::string_view name;
+  unsigned function;
+};
+constexpr std::array<OutputName, 3> kOutputs{{
+    {"RUN", pr::kRunFunction}, {"FU", pr::kFuFunction}, {"ABC", pr::kAbcFunction},
+}};
+constexpr double kMostVoltage_v = 10;
+constexpr double kMostCurrent_ma = 20;
+
+struct CauseName {
+  std::string_view name;
+  bool Causes::*cause;
+};
+constexpr std::array<CauseName, 7> kCauses{{
+    {"earth_fault", &Causes::earth_fault},
+    {"output_phase_open", &Causes::output_phase_open},
+    {"brake_transistor", &Causes::brake_transistor},
+    {"eeprom_write", &Causes::eeprom_write},
+    {"option", &Causes::option},
+    {"external_thermal", &Causes::external_thermal},
+    {"pu_disconnected", &Causes::pu_disconnected},
+}};
+
+template <class T>
+T checked(Result<T, std::string> loaded) {
+  VINV_CHECK(loaded.has_value());
+  return std::move(loaded).value();
+}
+
+plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, double nominal_mains_v_rms) {
+  plant::PlantConfig p;
+  p.machine = c.motor;
+  p.load = c.load;
+  p.losses = c.losses ? *c.losses : plant::typical_losses(c.motor);
+  p.dc_link.capacitance_f = m.dc_link_capacitance_f;
+  p.dc_link.source_resistance_ohm = c.source_resistance_ohm.value_or(m.source_resistance_ohm);
+  p.dc_link.precharge_resistance_ohm = m.precharge_ohm;
+  p.dc_link.brake_resistance_ohm = c.brake_resistance_ohm;
+  p.thermal.heat_sink_k_per_w = m.heat_sink_k_per_w;
+  p.thermal.heat_sink_time_constant_s = m.heat_sink_time_constant_s;
+  p.comparators.over_current_a_peak = m.rated_current_a_rms * std::numbers::sqrt2 * m.over_current_percent / 100;
+  p.comparators.over_voltage_v = m.over_voltage_v;
+  p.comparators.under_voltage_v = m.under_voltage_v;
+  p.comparators.under_voltage_clear_v = m.under_voltage_clear_v;
+  p.nominal_mains_v_rms = nominal_mains_v_rms;
+  p.ambient_c = c.ambient_c;
+  p.mains.voltage_v_rms = 0;  // the breaker is open until set_power
+  return p;
+}
+
+double nominal_mains(const InverterConfig& c, const ModelRow& m) {
+  return c.mains && c.mains->voltage_v_rms > 0 ? c.mains->voltage_v_rms : m.voltage_class_v;
+}
+
+}  // namespace
+
+const FamilyData& family_data() {
+  static const FamilyData data{checked(ParameterTable::load(data::mitsubishi_e500_parameters)),
+                               checked(AlarmTable::load(data::mitsubishi_e500_alarms)),
+                               checked(SignalMap::load(data::mitsubishi_e500_terminals)),
+                               checked(load_models(data::mitsubishi_e500_models))};
+  return data;
+}
+
+E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model)
+    : data_(family_data()),
+      model_(model),
+      option_fitted_(config.option_fitted),
+      nominal_mains_v_rms_(nominal_mains(config, model)),
+      brake_resistor_(config.brake_resistance_ohm > 0),
+      mains_(config.mains.value_or(plant::MainsState{.voltage_v_rms = model.voltage_class_v})),
+      store_(data_.parameters, model),
+      plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {}
+
+// --- terminals ---
+
+Outcome E500Inverter::set_terminal(std::string_view terminal, bool on) {
+  for (const auto& [name, index] : kInputs) {
+    if (name == terminal) {
+      wiring_.closed[index] = on;
+      return {};
+    }
+  }
+  std::string known;
+  for (const auto& input : kInputs) known += (known.empty() ? "" : ", ") + std::string(input.name);
+  std::string text = "there is no input terminal " + std::string(terminal) + "; there are " + known;
+  const bool function = std::any_of(data_.signals.inputs().begin(), data_.signals.inputs().end(),
+                                    [&](const TerminalFunction& f) { return f.signal == terminal; });
+  if (function) text += "; " + std::string(terminal) + " is a function that Pr.180-183 give to RL, RM, RH or MRS";
+  return Unexpected(text);
+}
+
+Outcome E500Inverter::set_analog(std::string_view terminal, double value) {
+  const auto within = [&](double most, double& target, std::string_view unit) -> Outcome {
+    if (!(value >= 0 && value <= most)) {
+      return Unexpected("terminal " + std::string(terminal) + " takes 0 to " + std::to_string(static_cast<int>(most)) +
+                        " " + std::string(unit));
+    }
+    target = value;
+    return {};
+  };
+  if (terminal == "2") return within(kMostVoltage_v, wiring_.terminal_2_v, "V");
+  if (terminal == "4") return within(kMostCurrent_ma, wiring_.terminal_4_ma, "mA");
+  return Unexpected("there is no analog input " + std::string(terminal) + "; there are 2 (V) and 4 (mA)");
+}
+
+std::vector<std::pair<std::string_view, bool>> E500Inverter::terminals() const {
+  std::vector<std::pair<std::string_view, bool>> out;
+  for (const auto& [name, index] : kInputs) out.emplace_back(name, wiring_.closed[index]);
+  for (const auto& [name, function] : kOutputs) {
+    const auto signal = data_.signals.output(store_.integer(function));
+    out.emplace_back(name, control_alive_ && signal && v_.published.outputs.has(*signal));
+  }
+  return out;
+}
+
+std::vector<std::string_view> E500Inverter::analog_terminals() const { return {"2", "4"}; }
+
+// --- supply ---
+
+namespace {
+
+// With fewer than two phases nothing is rectified.
+double rectified_v(const plant::MainsState& mains) {
+  const auto phases = std::count(mains.phase_present.begin(), mains.phase_present.end(), true);
+  return phases >= 2 ? mains.voltage_v_rms * std::numbers::sqrt2 : 0;
+}
+
+}  // namespace
+
+void E500Inverter::set_power(bool on) {
+  breaker_ = on;
+  plant::MainsState mains = mains_;
+  if (!on) mains.voltage_v_rms = 0;
+  plant_.set_mains(mains);
+}
+
+void E500Inverter::set_mains(const plant::MainsState& mains) {
+  mains_ = mains;
+  set_power(breaker_);
+}
+
+bool E500Inverter::powered() const {
+  return control_alive_ || (breaker_ && rectified_v(mains_) > model_.control_on_v);
+}
+
+// --- faults ---
+
+Outcome E500Inverter::inject_fault(std::string_view fault, bool on) {
+  for (const auto& [name, cause] : kCauses) {
+    if (name != fault) continue;
+    if (name == "external_thermal" && on && !has_function(InputSignal::kOh)) {
+      return Unexpected(std::string("no terminal has the function OH: set one of Pr.180-183 to 7"));
+    }
+    if (name == "option" && on && !option_fitted_) return Unexpected(std::string("no option board is fitted"));
+    causes_.*cause = on;
+    return {};
+  }
+  const auto row = data_.alarms.by_name(fault);
+  if (!row) {
+    std::string known;
+    for (std::string_view name : injectable_faults()) known += (known.empty() ? "" : ", ") + std::string(name);
+    return Unexpected("there is no fault " + std::string(fault) + "; there are " + known);
+  }
+  // An alarm is an event: it is there until it is reset, and taking it away is the reset's business.
+  if (!on) return {};
+  if (!control_alive_) return Unexpected(std::string("the inverter has no supply"));
+  if (v_.alarm.row) return Unexpected("there is an alarm already, " + alarm_name());
+  raise(*row, data_.alarms.rows()[*row].cause + " (injected)");
+  return {};
+}
+
+std::vector<std::string_view> E500Inverter::injectable_faults() const {
+  std::vector<std::string_view> out;
+  for (const auto& cause : kCauses) out.push_back(cause.name);
+  for (const AlarmRow& row : data_.alarms.rows()) out.push_back(row.name);
+  return out;
+}
+
+std::string E500Inverter::alarm_name() const { return v_.alarm.row ? data_.alarms.rows()[*v_.alarm.row].name : ""; }
+
+// --- live values ---
+
+std::vector<SignalValue> E500Inverter::signals() const {
+  const plant::PlantMeasurements& m = plant_.measurements();
+  const drive::DriveOutputs& out = core_.outputs();
+  const Published& p = v_.published;
+  const auto hours = static_cast<double>(record_.operating_seconds) + v_.operating_s;
+  return {
+      {"set_frequency", p.set_frequency_hz, "Hz"},
+      {"output_frequency", control_alive_ ? out.output_frequency_hz : 0, "Hz"},
+      {"output_current", m.output_current_a_rms, "A"},
+      {"output_voltage", m.gates_on ? m.output_voltage_v_rms : 0, "V"},
+      {"dc_link", m.dc_link_v, "V"},
+      {"speed", m.speed_rpm, "rpm"},
+      {"torque", m.torque_nm, "Nm"},
+      {"load_torque", m.load_torque_nm, "Nm"},
+      {"shaft_power", m.shaft_power_w, "W"},
+      {"input_power", m.input_power_w, "W"},
+      {"output_power", m.output_power_w, "W"},
+      {"brake_power", m.brake_power_w, "W"},
+      {"motor_thermal", out.motor_thermal_fraction * 100, "%"},
+      {"inverter_thermal", out.inverter_thermal_fraction * 100, "%"},
+      {"brake_duty", out.brake_duty_fraction * 100, "%"},
+      {"heat_sink", m.heat_sink_c, "degC"},
+      {"winding", m.winding_c, "degC"},
+      {"run_state", static_cast<double>(out.state), "-"},
+      {"alarm_code", static_cast<double>(active_alarm()), "-"},
+      {"am", p.am_v, "V"},
+      {"fan", p.fan ? 1.0 : 0.0, "-"},
+      {"carrier", settings_.carrier_hz, "Hz"},
+      {"operating_hours", hours / 3600, "h"},
+  };
+}
+
+// --- factory ---
+
+Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& config) {
+  const FamilyData& data = family_data();
+  const ModelRow* model = find_model(data.models, config.model);
+  if (model == nullptr) {
+    std::string known;
+    for (const ModelRow& m : data.models) known += (known.empty() ? "" : ", ") + m.model;
+    return Unexpected("family fr-e500 has no model " + config.model + "; there are " + known);
+  }
+  if (const auto ok = plant::validate(config.motor); !ok) return Unexpected("motor: " + ok.error());
+  if (const auto ok = plant::validate(config.load); !ok) return Unexpected("load: " + ok.error());
+  if (!(config.brake_resistance_ohm >= 0)) return Unexpected(std::string("brake resistor: must not be negative"));
+  if (config.source_resistance_ohm && !(*config.source_resistance_ohm > 0)) {
+    return Unexpected(std::string("source resistance: must be above 0 ohm"));
+  }
+  if (config.mains && !(config.mains->voltage_v_rms >= 0 && config.mains->voltage_v_rms <= 1.5 * model->voltage_class_v)) {
+    return Unexpected("mains: a " + model->model + " takes 0 to " +
+                      std::to_string(static_cast<int>(1.5 * model->voltage_class_v)) + " V");
+  }
+  return std::unique_ptr<Inverter>(std::make_unique<E500Inverter>(config, *model));
+}
+
+}  // namespace vinv::inverter::e500

@@ -1,0 +1,108 @@
+// Everything that one FR-E500's control remembers, in plain copyable structs. What survives a power cycle is in
+// EepromRecord and the parameter store; the rest is made anew when the control supply comes back.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "motor_model/drive/pid.hpp"
+#include "motor_model/drive/remote_setting.hpp"
+#include "motor_model/inverter/analog_channel.hpp"
+#include "motor_model/inverter/e500/auto_tuning.hpp"
+#include "motor_model/inverter/e500/retry.hpp"
+#include "motor_model/inverter/e500/run_command.hpp"
+#include "motor_model/inverter/eeprom_text.hpp"
+#include "motor_model/inverter/mailbox.hpp"
+#include "motor_model/inverter/signal_map.hpp"
+#include "motor_model/port/drive_port.hpp"
+#include "sim/base/time.hpp"
+
+namespace vinv::inverter::e500 {
+
+enum Terminal : std::uint8_t { kStf, kStr, kRl, kRm, kRh, kMrs, kRes, kTerminalCount };
+
+// As the wiring stands, whether the drive is powered or not.
+struct Wiring {
+  std::array<bool, kTerminalCount> closed{};
+  double terminal_2_v = 0;
+  double terminal_4_ma = 0;
+};
+
+// Causes that stay until they are taken away.
+struct Causes {
+  bool earth_fault = false;
+  bool output_phase_open = false;
+  bool brake_transistor = false;
+  bool eeprom_write = false;       // writes to the EEPROM fail
+  bool option = false;             // the option board dropped out of its connector
+  bool external_thermal = false;   // the thermal relay has opened
+  bool pu_disconnected = false;
+  bool eeprom_damaged = false;     // contents refused at the start; until the next power cycle
+};
+
+enum class Screen : std::uint8_t { kMonitor, kFrequency, kJog };
+
+struct Panel {
+  drive::RunDirection run = drive::RunDirection::kStop;  // FWD and REV keys
+  bool jog_run = false;                                  // ... pressed on the jog screen
+  bool stopped_by_panel = false;                         // PS: STOP outside PU operation
+  Screen screen = Screen::kMonitor;
+  int monitor = 0;                                       // 0 first display (Pr.52), 1 current, 2 voltage
+  double edited_hz = 0;                                  // on the frequency screen, before SET
+};
+
+struct Network {
+  port::NetTerminals command{};
+  double frequency_hz = 0;
+  std::optional<std::uint8_t> converter;   // D/A value, once written
+  bool communication_lost = false;
+  bool option_failed = false;
+};
+
+struct ActiveAlarm {
+  std::optional<std::size_t> row;          // in the alarm table
+  std::string cause;
+};
+
+// What the option board and the panel read between two ticks.
+struct Published {
+  port::Status status{};
+  std::uint16_t output_frequency = 0;      // 0.01 Hz
+  std::uint16_t output_current = 0;        // 0.01 A
+  std::uint16_t output_voltage = 0;        // 0.1 V
+  OutputSignals outputs{};
+  double set_frequency_hz = 0;
+  double am_v = 0;
+  bool fan = false;
+};
+
+// Lost with the control supply.
+struct Volatile {
+  port::OperationMode mode = port::OperationMode::kExternal;
+  Instant ready_at{};
+  bool in_reset = false;                   // RES held
+  bool mrs_inverted = false;
+  Panel panel;
+  Network network;
+  StartLatch start_latch;
+  AnalogFilter input_2;
+  AnalogFilter input_4;
+  AnalogFilter current_monitor;
+  drive::Pid pid;
+  drive::RemoteSetting remote;
+  double panel_frequency_hz = 0;           // set at the panel; the record keeps what SET stored
+  drive::RunDirection direction = drive::RunDirection::kStop;  // commanded in this tick
+  bool tuned_until_stop = false;
+  AutoTuning tuning;
+  TuningStatus tuning_status = TuningStatus::kOff;  // beyond what Pr.96 stores
+  Retry retry;
+  ActiveAlarm alarm;
+  Mailbox mailbox;
+  bool any_start_signal = false;           // of this tick's sources
+  double operating_s = 0;                  // not yet in the hour meter
+  Published published;
+};
+
+}  // namespace vinv::inverter::e500

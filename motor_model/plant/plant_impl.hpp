@@ -1,0 +1,62 @@
+// PowerPlant's inside. Private to motor_model/plant/power_plant*.cpp.
+#pragma once
+
+#include "motor_model/plant/plant_model.hpp"
+#include "motor_model/plant/switches.hpp"
+
+namespace vinv::plant {
+
+struct PowerPlant::Impl {
+  Impl(PlantConfig config_in, SolverSettings solver_settings);
+
+  // Inputs.
+  void set_stage(const StageInput& next);
+  void take_stage();                     // what the right-hand side and the switches need of it
+  void set_mains(const MainsState& next);
+  void set_load(const LoadSettings& next);
+  void set_shaft_locked(bool locked);
+  void set_ambient(double ambient);
+
+  // One advance().
+  Events advance(Duration dt);
+  void begin_anew();                     // settles switches and shaft, restarts the solver at time_
+  void integrate_to(Duration end);
+  void on_roots(std::uint32_t roots);
+  void settle_link(double v);
+  void settle_shaft();
+  bool current_too_high() const;
+  void shut_for_over_current();
+  void refresh_rectifier();
+  void refresh_model();                  // switch positions and levels into the right-hand side
+  void restart_solver(double t);
+  void enter_table_segment();
+  void report(PlantEventKind kind, double value);
+  void measure();
+
+  double* y() { return solver->states(); }
+  const double* y() const { return solver->states(); }
+
+  // Inputs as held.
+  PlantConfig config;                    // load, mains and ambient inside follow the inputs
+  StageInput stage;
+
+  PlantModel model;
+  SwitchLevels levels;
+  Switches switches;
+  std::unique_ptr<Solver> solver;
+
+  // The integer clock is the master; the solver counts seconds since base.
+  Duration time{};
+  Duration base{};
+  double t = 0;
+  bool anew = true;                      // an input has jumped since the last advance
+  Duration table_end{};                  // next point of the load table
+
+  Duration advance_start{};
+  Events events;
+  PlantMeasurements measurements;
+  EnergyCounters energy;
+  std::uint64_t reinitialisations = 0;
+};
+
+}  // namespace vinv::plant

@@ -1,0 +1,70 @@
+// The Modbus side of the OI-FR-E5NCO: requests on its address map become accesses to the inverter's dual-port RAM.
+// OI-FR-E5NCO manual, 8.3.4 (immediate answer), 8.5, 8.6, 8.7, 8.8; MODBUS Application Protocol V1.1b3, 6.3 and 6.6.
+//
+// Order of the checks: function (01), length and quantity (03), addresses (02, or 05 for a write to an address that can
+// only be read), range of the map (03), inverter not ready (04), then what the inverter decides.
+// Reads are answered at once and need no NET modality. Writes go to the one mailbox of the inverter; while it decides,
+// further writes of any client are refused with 06.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "motor_model/port/drive_port.hpp"
+#include "option_boards/boards/oi_fr_e5nco/register_map.hpp"
+#include "option_boards/modbus/pdu.hpp"
+#include "option_boards/modbus/unit.hpp"
+#include "sim/base/result.hpp"
+
+namespace vinv::boards::oi_fr_e5nco {
+
+class ModbusUnit final : public modbus::Unit {
+ public:
+  // The drive outlives the unit.
+  explicit ModbusUnit(port::DrivePort& drive) : drive_(drive), map_(register_map()) {}
+
+  // Listens under this address from now on; 0: does not listen, and outstanding answers are dropped.
+  void set_address(std::uint8_t address);
+  // Pr.347 bit 7: a write is acknowledged when it is in the mailbox, and the inverter's refusal is never seen.
+  void set_immediate_answer(bool on) { state_.immediate_answer = on; }
+  // Collects the inverter's decision on a write.
+  void handle_drive_tick() { collect_outcome(); }
+
+  std::uint8_t address() const override { return state_.address; }
+  void handle_request(Instant now, modbus::ClientId client, modbus::Addressing addressing, ByteView pdu) override;
+  std::optional<Bytes> poll_answer(Instant now, modbus::ClientId client) override;
+  void forget(modbus::ClientId client) override;
+
+ private:
+  struct Answer {
+    modbus::ClientId client = 0;
+    Bytes pdu;
+  };
+  // The write in the mailbox.
+  struct PendingWrite {
+    modbus::WriteSingleRegister request;
+    bool reset = false;                      // inverter reset
+    std::optional<modbus::ClientId> client;  // who awaits the answer: nobody after a broadcast or immediate answer
+  };
+  struct State {
+    std::uint8_t address = 0;
+    bool immediate_answer = false;
+    std::optional<PendingWrite> pending;
+    std::vector<Answer> answers;  // at most one per client
+  };
+
+  Result<Bytes, modbus::Exception> read(const modbus::ReadHoldingRegisters& request) const;
+  Result<std::uint16_t, modbus::Exception> read_item(const RegisterRow& row, std::uint16_t index) const;
+  Result<port::WriteRequest, modbus::Exception> translate(const modbus::WriteSingleRegister& request) const;
+  void write(Instant now, const modbus::WriteSingleRegister& request, std::optional<modbus::ClientId> client);
+  std::uint32_t poles() const;
+  void collect_outcome();
+  void answer(modbus::ClientId client, Bytes pdu);
+
+  port::DrivePort& drive_;
+  const RegisterMap& map_;
+  State state_;
+};
+
+}  // namespace vinv::boards::oi_fr_e5nco

@@ -1,0 +1,633 @@
+#include "sim/rig/commands.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "sim/rig/quantity.hpp"
+#include "sim/rig/words.hpp"
+
+namespace vinv::rig {
+namespace {
+
+using Words = std::vector<std::string_view>;
+using inverter::PanelKey;
+using port::OperationMode;
+
+// Leaves a command early; caught in execute() only.
+struct Refuse {
+  CommandError error;
+};
+
+[[noreturn]] void invalid(const std::string& message) { throw Refuse{{CommandCode::kInvalidValue, message}}; }
+[[noreturn]] void refused(const std::string& message) { throw Refuse{{CommandCode::kRefused, message}}; }
+
+void demand(const inverter::Outcome& outcome) {
+  if (!outcome) refused(outcome.error());
+}
+
+std::string shown(const Json& value) { return value.is_null() ? "nothing" : value.dump(); }
+
+std::string word_of(const Json& value, const Words& allowed, std::string_view what) {
+  if (!value.is_string()) invalid(std::string(what) + " is " + shown(value) + "; allowed: " + join(allowed) + ".");
+  const std::string word = value.get<std::string>();
+  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end())
+    invalid(std::string(what) + " is \"" + word + "\"; " + allowed_words(word, allowed));
+  return word;
+}
+
+bool switch_of(const Json& value, std::string_view what) {
+  bool on = false;
+  if (value.is_boolean()) return value.get<bool>();
+  if (!value.is_string() || !parse_switch(value.get<std::string>(), on))
+    invalid(std::string(what) + " is " + shown(value) + "; allowed: on, off.");
+  return on;
+}
+
+double quantity_of(const Json& value, Dimension dimension, std::string_view what) {
+  if (!value.is_string()) {
+    const auto units = units_of(dimension);
+    invalid(std::string(what) + " is " + shown(value) + "; write text with a number and one of these units: " +
+            join(units) + ", for example \"5 " + std::string(units.front()) + "\".");
+  }
+  const auto parsed = parse_quantity(value.get<std::string>(), dimension);
+  if (!parsed) invalid(std::string(what) + ": " + parsed.error());
+  return *parsed;
+}
+
+double quantity_within(const Json& value, Dimension dimension, std::string_view what, double low, double high,
+                       std::string_view allowed) {
+  const double v = quantity_of(value, dimension, what);
+  if (v < low || v > high)
+    invalid(std::string(what) + " is " + shown(value) + "; allowed: " + std::string(allowed) + ".");
+  return v;
+}
+
+double number_of(const Json& value, std::string_view what) {
+  double v = 0;
+  if (value.is_number()) return value.get<double>();
+  if (!value.is_string() || !parse_number(value.get<std::string>(), v))
+    invalid(std::string(what) + " is " + shown(value) + "; allowed: a number.");
+  return v;
+}
+
+// A mapping with at least one entry; keys empty: any key.
+const Json& map_of(const Json& value, const Words& keys, std::string_view command, std::string_view form) {
+  if (!value.is_object() || value.empty())
+    invalid(std::string(command) + " is " + shown(value) + "; it takes " + std::string(form) + ".");
+  if (!keys.empty())
+    for (const auto& [key, v] : value.items())
+      if (std::find(keys.begin(), keys.end(), key) == keys.end())
+        invalid("unknown word \"" + key + "\" in " + std::string(command) + "; " + allowed_words(key, keys));
+  return value;
+}
+
+std::string_view mode_name(OperationMode mode) {
+  switch (mode) {
+    case OperationMode::kExternal: return "EXT";
+    case OperationMode::kPu: return "PU";
+    case OperationMode::kNetwork: return "NET";
+    case OperationMode::kCombined1: return "EXT/PU combined 1";
+    case OperationMode::kCombined2: return "EXT/PU combined 2";
+  }
+  return "";
+}
+
+struct Key {
+  std::string_view word;
+  PanelKey key;
+};
+constexpr std::array kKeys{Key{"FWD", PanelKey::kFwd},        Key{"REV", PanelKey::kRev},
+                           Key{"STOP", PanelKey::kStopReset}, Key{"PU/EXT", PanelKey::kPuExt},
+                           Key{"UP", PanelKey::kUp},          Key{"DOWN", PanelKey::kDown},
+                           Key{"MODE", PanelKey::kMode},      Key{"SET", PanelKey::kSet}};
+
+struct Context {
+  Plant& plant;
+  DriveUnit& drive;
+  const Json& value;
+  inverter::Inverter& inverter() const { return *drive.inverter; }
+};
+
+// --- supply ---
+
+Json power(const Context& c) {
+  const std::string word =
+      c.value.is_boolean() ? (c.value.get<bool>() ? "on" : "off") : word_of(c.value, {"on", "off", "cycle"}, "power");
+  auto& scheduler = c.plant.scheduler();
+  if (c.drive.power_returns != 0) scheduler.cancel(std::exchange(c.drive.power_returns, 0));
+  if (word != "cycle") {
+    c.plant.set_power(c.drive, word == "on");
+    return word;
+  }
+  // Long enough for the control supply to be gone for good.
+  constexpr Duration kOffTime = std::chrono::seconds(2);
+  c.plant.set_power(c.drive, false);
+  c.drive.power_returns = scheduler.schedule(c.plant.now() + kOffTime, kernel::Priority::kStimulus,
+                                             [&plant = c.plant, &drive = c.drive](Instant) {
+                                               drive.power_returns = 0;
+                                               plant.set_power(drive, true);
+                                             });
+  return "off for 2 s";
+}
+
+Json mains(const Context& c) {
+  const Json& map = map_of(c.value, {"voltage", "dip", "for"}, "mains", "{voltage: 380 V} or {dip: 40 %, for: 200 ms}");
+  if (map.contains("dip") != map.contains("for"))
+    invalid("mains: dip and for belong together, as {dip: 40 %, for: 200 ms}.");
+  if (map.contains("voltage"))
+    c.drive.mains.voltage_v_rms =
+        quantity_within(map["voltage"], Dimension::kVoltage, "voltage", 0, 1000, "0 to 1000 V");
+  if (map.contains("dip")) {
+    const double depth =
+        quantity_within(map["dip"], Dimension::kFraction, "dip", 0, 1, "0 to 100 % (by how much the voltage falls)");
+    const double seconds = quantity_within(map["for"], Dimension::kTime, "for", 1e-3, 3600, "1 ms to 60 min");
+    auto& scheduler = c.plant.scheduler();
+    if (c.drive.dip_ends != 0) scheduler.cancel(c.drive.dip_ends);
+    c.drive.dip_fraction = depth;
+    c.drive.dip_ends = scheduler.schedule(c.plant.now() + seconds_to_duration(seconds), kernel::Priority::kStimulus,
+                                          [&drive = c.drive](Instant) {
+                                            drive.dip_ends = 0;
+                                            drive.dip_fraction = 0;
+                                            drive.apply_mains();
+                                          });
+  }
+  c.drive.apply_mains();
+  return Json{{"voltage_V", c.drive.mains.voltage_v_rms * (1 - c.drive.dip_fraction)}};
+}
+
+Json phase_loss(const Context& c) {
+  const std::string word = word_of(c.value, {"L1", "L2", "L3", "none"}, "phase_loss");
+  c.drive.mains.phase_present = {word != "L1", word != "L2", word != "L3"};
+  c.drive.apply_mains();
+  return word;
+}
+
+Json ambient(const Context& c) {
+  const double celsius = quantity_within(c.value, Dimension::kTemperature, "ambient", -40, 100, "-40 to 100 C");
+  c.inverter().set_ambient(celsius);
+  return celsius;
+}
+
+// --- panel and terminals ---
+
+Json key(const Context& c) {
+  Words names;
+  for (const Key& k : kKeys) names.push_back(k.word);
+  const std::string word = word_of(c.value, names, "key");
+  for (const Key& k : kKeys)
+    if (k.word == word) demand(c.inverter().press_key(k.key));
+  return c.inverter().display();
+}
+
+Json panel_frequency(const Context& c) {
+  const double hz = quantity_of(c.value, Dimension::kFrequency, "frequency");
+  demand(c.inverter().set_panel_frequency(hz));
+  return hz;
+}
+
+Json mode(const Context& c) {
+  if (c.value.is_string() && c.value.get<std::string>() == "NET")
+    invalid("mode NET is set by the network master (OI-FR-E5NCO: write 1 to address 26000); allowed here: PU, EXT.");
+  const std::string word = word_of(c.value, {"PU", "EXT"}, "mode");
+  const OperationMode wanted = word == "PU" ? OperationMode::kPu : OperationMode::kExternal;
+  if (c.inverter().port().operation_mode() != wanted) demand(c.inverter().press_key(PanelKey::kPuExt));
+  return word;
+}
+
+void set_terminal(const Context& c, std::string_view name, bool on) {
+  const auto outcome = c.inverter().set_terminal(name, on);
+  if (outcome) return;
+  Words known;
+  for (const auto& t : c.inverter().terminals()) known.push_back(t.first);
+  refused(outcome.error() + suggestion(name, known));
+}
+
+Json terminal(const Context& c) {
+  const Json& map = map_of(c.value, {}, "terminal", "{STF: on}");
+  for (const auto& [name, on] : map.items()) set_terminal(c, name, switch_of(on, "terminal " + name));
+  return map;
+}
+
+Json analog(const Context& c) {
+  const Words terminals = c.inverter().analog_terminals();
+  const Json& map = map_of(c.value, {}, "analog", "{terminal_2: 5 V}, with one of the terminals " + join(terminals));
+  for (const auto& [name, value] : map.items()) {
+    const std::string_view terminal = std::string_view(name).substr(name.starts_with("terminal_") ? 9 : 0);
+    if (std::find(terminals.begin(), terminals.end(), terminal) == terminals.end())
+      invalid("there is no analog terminal \"" + name + "\"; " + allowed_words(terminal, terminals));
+    const bool current = analog_unit(c.inverter().family(), terminal) == "mA";
+    demand(c.inverter().set_analog(terminal, quantity_of(value, current ? Dimension::kCurrent : Dimension::kVoltage,
+                                                         "analog terminal " + std::string(terminal))));
+  }
+  return map;
+}
+
+// Start commands go the way that the operation mode listens to.
+bool keys_start(OperationMode mode) { return mode == OperationMode::kPu || mode == OperationMode::kCombined2; }
+
+Json run(const Context& c) {
+  const std::string word = word_of(c.value, {"forward", "reverse"}, "run");
+  const bool forward = word == "forward";
+  const OperationMode mode = c.inverter().port().operation_mode();
+  if (mode == OperationMode::kNetwork)
+    refused("the drive is in NET mode: its network master starts it. `mode EXT` or the master's command leaves NET.");
+  if (keys_start(mode)) {
+    demand(c.inverter().press_key(forward ? PanelKey::kFwd : PanelKey::kRev));
+    return "by the panel key";
+  }
+  set_terminal(c, forward ? "STR" : "STF", false);
+  set_terminal(c, forward ? "STF" : "STR", true);
+  return forward ? "by terminal STF" : "by terminal STR";
+}
+
+Json stop(const Context& c) {
+  if (!c.value.is_null()) invalid("stop takes no value.");
+  const OperationMode mode = c.inverter().port().operation_mode();
+  if (keys_start(mode) || mode == OperationMode::kNetwork) {
+    demand(c.inverter().press_key(PanelKey::kStopReset));
+    return "by the STOP key";
+  }
+  set_terminal(c, "STF", false);
+  set_terminal(c, "STR", false);
+  return "by terminals STF and STR";
+}
+
+Json reset(const Context& c) {
+  if (!c.value.is_null()) invalid("reset takes no value.");
+  constexpr Duration kResetPulse = std::chrono::milliseconds(100);
+  auto& scheduler = c.plant.scheduler();
+  set_terminal(c, "RES", true);
+  if (c.drive.reset_released != 0) scheduler.cancel(c.drive.reset_released);
+  c.drive.reset_released =
+      scheduler.schedule(c.plant.now() + kResetPulse, kernel::Priority::kStimulus, [&drive = c.drive](Instant) {
+        drive.reset_released = 0;
+        // The terminal exists: it was switched on above.
+        static_cast<void>(drive.inverter->set_terminal("RES", false));
+      });
+  return "by terminal RES for 100 ms";
+}
+
+Json board_switch(const Context& c) {
+  if (!c.drive.board) refused("the drive has no option board.");
+  const Json& map = map_of(c.value, {}, "switch", "{SW1: 2}");
+  for (const auto& [name, value] : map.items()) {
+    const double v = number_of(value, "switch " + name);
+    if (v < 0 || v > 255 || v != static_cast<unsigned>(v))
+      invalid("switch " + name + " is " + shown(value) + "; allowed: a whole number from 0.");
+    const auto outcome = c.drive.board->set_switch(name, static_cast<unsigned>(v));
+    if (!outcome) refused(outcome.error());
+  }
+  return map;
+}
+
+// --- machine ---
+
+Json load(const Context& c) {
+  const Json& map = map_of(c.value, {"torque", "linear", "quadratic", "hoist", "inertia"}, "load",
+                           "{torque: 12 Nm}, linear and quadratic (Nm at rated speed), hoist (Nm), inertia (kg m2)");
+  plant::LoadSettings load = c.inverter().plant().load();
+  const double rated_rad_s = c.drive.spec.motor.value.rated_speed_rpm * std::numbers::pi / 30;
+  const auto torque = [&](const char* key, double low) {
+    return quantity_within(map[key], Dimension::kTorque, key, low, 1e6,
+                           low < 0 ? "-1000 to 1000 kNm" : "0 to 1000 kNm");
+  };
+  if (map.contains("torque")) load.constant_nm = torque("torque", 0);
+  if (map.contains("linear")) load.linear_nm_s = torque("linear", 0) / rated_rad_s;
+  if (map.contains("quadratic")) load.quadratic_nm_s2 = torque("quadratic", 0) / (rated_rad_s * rated_rad_s);
+  if (map.contains("hoist")) load.hoist_nm = torque("hoist", -1e6);
+  if (map.contains("inertia"))
+    load.inertia_kg_m2 = quantity_within(map["inertia"], Dimension::kInertia, "inertia", 0, 1e6, "0 to 1000000 kg m2");
+  if (const auto fine = plant::validate(load); !fine) invalid("load: " + fine.error());
+  c.inverter().set_load(load);
+  return Json{{"torque_Nm", load.constant_nm},
+              {"linear_Nm_at_rated", load.linear_nm_s * rated_rad_s},
+              {"quadratic_Nm_at_rated", load.quadratic_nm_s2 * rated_rad_s * rated_rad_s},
+              {"hoist_Nm", load.hoist_nm},
+              {"inertia_kg_m2", load.inertia_kg_m2}};
+}
+
+Json shaft(const Context& c) {
+  const std::string word = word_of(c.value, {"locked", "free"}, "shaft");
+  c.inverter().set_shaft_locked(word == "locked");
+  return word;
+}
+
+Json fault(const Context& c) {
+  const Words known = c.inverter().injectable_faults();
+  Json map = c.value;
+  if (map.is_string()) map = Json{{map.get<std::string>(), "on"}};
+  map_of(map, known, "fault", "{E.PE: on} or a cause as {earth_fault: on}");
+  for (const auto& [name, on] : map.items()) demand(c.inverter().inject_fault(name, switch_of(on, "fault " + name)));
+  return map;
+}
+
+// --- parameters ---
+
+Json parameter_row(const inverter::Inverter& inverter, const std::string& name) {
+  const auto value = inverter.get_parameter(name);
+  if (!value) refused(value.error());
+  return *value;
+}
+
+Json parameter(const Context& c) {
+  Json out = Json::object();
+  if (c.value.is_string())
+    return Json{{c.value.get<std::string>(), parameter_row(c.inverter(), c.value.get<std::string>())}};
+  if (c.value.is_array() && !c.value.empty()) {
+    for (const auto& name : c.value) {
+      if (!name.is_string()) invalid("parameter name is " + shown(name) + "; allowed: a name as \"Pr.7\".");
+      out[name.get<std::string>()] = parameter_row(c.inverter(), name.get<std::string>());
+    }
+    return out;
+  }
+  const Json& map = map_of(c.value, {}, "parameter", "a name to read (Pr.7), or {Pr.7: 2} to write");
+  for (const auto& [name, value] : map.items()) {
+    demand(c.inverter().set_parameter(name, number_of(value, name)));
+    out[name] = parameter_row(c.inverter(), name);
+  }
+  return out;
+}
+
+Json parameters(const Context& c) {
+  if (!c.value.is_null() && !c.value.is_string()) invalid("parameters takes nothing, or a text to look for.");
+  const std::string filter = c.value.is_string() ? c.value.get<std::string>() : std::string{};
+  const auto lower = [](std::string s) {
+    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char ch) { return std::tolower(ch); });
+    return s;
+  };
+  Json out = Json::array();
+  for (const auto& p : c.inverter().parameters()) {
+    std::string name = "Pr." + std::to_string(p.id.number);
+    if (p.id.sub != 0) name += "." + std::to_string(p.id.sub);
+    if (!filter.empty() && lower(name + " " + std::string(p.name)).find(lower(filter)) == std::string::npos) continue;
+    const auto value = c.inverter().get_parameter(name);
+    out.push_back({{"parameter", name},
+                   {"value", value ? Json(*value) : Json()},
+                   {"unit", p.unit},
+                   {"default", p.factory_default},
+                   {"name", p.name}});
+  }
+  return out;
+}
+
+// --- watching ---
+
+Json status(const Context& c) {
+  const inverter::Inverter& inv = c.inverter();
+  port::DrivePort& drive_port = c.inverter().port();
+  Json out;
+  out["name"] = c.drive.spec.name;
+  out["family"] = inv.family();
+  out["model"] = inv.model();
+  out["time_s"] = to_seconds(c.plant.now());
+  out["powered"] = inv.powered();
+  out["ready"] = drive_port.ready();
+  out["mode"] = mode_name(drive_port.operation_mode());
+  out["display"] = inv.display();
+  const std::string alarm = inv.alarm_name();
+  out["alarm"] = alarm.empty() ? Json() : Json{{"name", alarm}, {"cause", inv.alarm_cause()}};
+  Json history = Json::array();
+  for (const std::uint8_t code : drive_port.alarm_history()) {
+    if (code == 0) break;
+    history.push_back(code);
+  }
+  out["alarm_history"] = history;
+  out["signals"] = Json::object();
+  for (const auto& s : inv.signals()) out["signals"][std::string(s.name)] = {{"value", s.value}, {"unit", s.unit}};
+  out["terminals"] = Json::object();
+  for (const auto& [name, on] : inv.terminals()) out["terminals"][std::string(name)] = on;
+  out["endpoints"] = endpoints_json(c.drive);
+  return out;
+}
+
+Json list(Plant& plant) {
+  Json out = Json::array();
+  for (const auto& d : plant.drives())
+    out.push_back({{"name", d->spec.name},
+                   {"family", d->inverter->family()},
+                   {"model", d->inverter->model()},
+                   {"motor", d->spec.motor.value.name},
+                   {"board", d->board ? Json(d->board->type()) : Json()},
+                   {"powered", d->inverter->powered()},
+                   {"display", d->inverter->display()},
+                   {"endpoints", endpoints_json(*d)}});
+  return out;
+}
+
+Json help() {
+  Json out = Json::array();
+  for (const CommandInfo& i : commands())
+    out.push_back({{"command", i.name},
+                   {"for_drive", i.for_drive},
+                   {"value", i.value},
+                   {"meaning", i.meaning},
+                   {"example", i.example}});
+  return out;
+}
+
+// What a drive offers to faults, switches and terminals, so that a person can find the names.
+Json names(const Context& c) {
+  Json out;
+  for (const auto& [name, on] : c.inverter().terminals()) out["terminals"].push_back(name);
+  for (const auto name : c.inverter().analog_terminals())
+    out["analog"].push_back(std::string(name) + " (" + std::string(analog_unit(c.inverter().family(), name)) + ")");
+  for (const auto name : c.inverter().injectable_faults()) out["faults"].push_back(name);
+  for (const Key& k : kKeys) out["keys"].push_back(k.word);
+  return out;
+}
+
+struct Row {
+  CommandInfo info;
+  Json (*act)(const Context&);
+  // Words of a command line without "=": entries begin at these, or (first) at the first word; none: one value.
+  Words keys;
+  bool first_is_key = false;
+};
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> all{
+      {{"list", false, "", "drives of the plant and where they are reached", "list"}, nullptr, {}, false},
+      {{"commands", false, "", "this table", "commands"}, nullptr, {}, false},
+      {{"status", true, "", "all signals, terminals, mode and alarm", "conveyor_1 status"}, status, {}, false},
+      {{"names", true, "", "names of terminals, keys and faults", "conveyor_1 names"}, names, {}, false},
+      {{"power", true, "on | off | cycle", "the drive's own breaker; cycle is off for 2 s", "conveyor_1 power cycle"},
+       power,
+       {},
+       false},
+      {{"key", true, "FWD | REV | STOP | PU/EXT | UP | DOWN | MODE | SET", "press a key of the panel",
+        "conveyor_1 key PU/EXT"},
+       key,
+       {},
+       false},
+      {{"frequency", true, "<f> Hz", "set frequency of the panel", "conveyor_1 frequency 40 Hz"},
+       panel_frequency,
+       {},
+       false},
+      {{"mode", true, "PU | EXT", "operation mode, by the PU/EXT key", "conveyor_1 mode PU"}, mode, {}, false},
+      {{"terminal", true, "<terminal>: on | off", "control terminals", "conveyor_1 terminal STF=on RH=on"},
+       terminal,
+       {},
+       true},
+      {{"analog", true, "terminal_<n>: <u> V | <i> mA", "analog inputs", "conveyor_1 analog terminal_2=5V"},
+       analog,
+       {},
+       true},
+      {{"run", true, "forward | reverse", "start, by terminal or panel key as the mode wants it",
+        "conveyor_1 run forward"},
+       run,
+       {},
+       false},
+      {{"stop", true, "", "stop, by the same way", "conveyor_1 stop"}, stop, {}, false},
+      {{"reset", true, "", "reset the inverter, by terminal RES", "conveyor_1 reset"}, reset, {}, false},
+      {{"parameter", true, "Pr.<n> | Pr.<n>: <value>", "read or write a parameter, as from the panel",
+        "conveyor_1 parameter Pr.7=2.5"},
+       parameter,
+       {},
+       false},
+      {{"parameters", true, "[<text>]", "all parameters, or those whose name holds the text",
+        "conveyor_1 parameters brake"},
+       parameters,
+       {},
+       false},
+      {{"load", true, "torque, linear, quadratic, hoist: <t> Nm; inertia: <j> kg m2",
+        "the driven machine; what is not named stays", "conveyor_1 load torque 12 Nm"},
+       load,
+       {"torque", "linear", "quadratic", "hoist", "inertia"},
+       false},
+      {{"shaft", true, "locked | free", "block or free the shaft", "conveyor_1 shaft locked"}, shaft, {}, false},
+      {{"mains", true, "voltage: <u> V; dip: <d> % with for: <t> ms", "supply voltage; a dip lowers it by d for a time",
+        "conveyor_1 mains dip 100 % for 200 ms"},
+       mains,
+       {"voltage", "dip", "for"},
+       false},
+      {{"phase_loss", true, "L1 | L2 | L3 | none", "lose a mains phase", "conveyor_1 phase_loss L2"},
+       phase_loss,
+       {},
+       false},
+      {{"ambient", true, "<t> C", "temperature around the drive", "conveyor_1 ambient 45 C"}, ambient, {}, false},
+      {{"fault", true, "<fault>: on | off", "inject an alarm (E.PE) or a cause (earth_fault); `names` lists them",
+        "conveyor_1 fault earth_fault=on"},
+       fault,
+       {},
+       true},
+      {{"switch", true, "<switch>: <n>", "switches of the option board", "conveyor_1 switch SW1=2"},
+       board_switch,
+       {},
+       true},
+  };
+  return all;
+}
+
+const Row* find_row(std::string_view command) {
+  const auto it = std::find_if(rows().begin(), rows().end(), [&](const Row& r) { return r.info.name == command; });
+  return it == rows().end() ? nullptr : &*it;
+}
+
+std::string joined(const std::vector<std::string>& words, std::size_t from = 0) {
+  std::string out;
+  for (std::size_t i = from; i < words.size(); ++i) out += (i > from ? " " : "") + words[i];
+  return out;
+}
+
+// Entries begin at "key=" or at one of the row's keys; other words go on with the value before.
+Json entries_of(const Row& row, const std::vector<std::string>& words) {
+  Json out = Json::object();
+  std::string key;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    const bool named = std::find(row.keys.begin(), row.keys.end(), word) != row.keys.end();
+    if (equals != std::string::npos && equals > 0) {
+      key = word.substr(0, equals);
+      out[key] = word.substr(equals + 1);
+    } else if (named) {
+      key = word;
+      out[key] = "";
+    } else if (key.empty()) {
+      invalid("\"" + word + "\" belongs to nothing; " + std::string(row.info.name) + " takes " +
+              std::string(row.info.value) + ", as in: vinverter ctl " + std::string(row.info.example) + ".");
+    } else {
+      std::string value = out[key];
+      out[key] = value.empty() ? word : value + " " + word;
+    }
+  }
+  return out;
+}
+
+Json value_of(const Row& row, const std::vector<std::string>& words) {
+  if (words.empty()) return {};
+  const bool any_equals =
+      std::any_of(words.begin(), words.end(), [](const auto& w) { return w.find('=') != std::string::npos; });
+  if (any_equals || !row.keys.empty()) return entries_of(row, words);
+  if (row.first_is_key && words.size() > 1) return Json{{words[0], joined(words, 1)}};
+  if (row.info.name == "parameter" && words.size() > 1) {
+    double number = 0;
+    if (words.size() == 2 && parse_number(words[1], number)) return Json{{words[0], number}};
+    return Json(words);
+  }
+  return joined(words);
+}
+
+CommandResult dispatch(Plant& plant, const Row& row, std::string_view drive, const Json& value) {
+  if (!row.info.for_drive) {
+    if (!value.is_null()) invalid(std::string(row.info.name) + " takes no value.");
+    return row.info.name == "list" ? list(plant) : help();
+  }
+  DriveUnit* unit = plant.find(drive);
+  if (unit == nullptr) {
+    Words known;
+    for (const auto& d : plant.drives()) known.push_back(d->spec.name);
+    invalid((drive.empty() ? "the drive is missing; " : "there is no drive \"" + std::string(drive) + "\"; ") +
+            allowed_words(drive, known));
+  }
+  return row.act({plant, *unit, value});
+}
+
+template <class MakeValue>
+CommandResult guarded(Plant& plant, std::string_view command, std::string_view drive, const MakeValue& make_value) {
+  const Row* row = find_row(command);
+  if (row == nullptr) {
+    Words known;
+    for (const Row& r : rows()) known.push_back(r.info.name);
+    return Unexpected(CommandError{CommandCode::kUnknownCommand, "unknown command \"" + std::string(command) + "\"; " +
+                                                                     allowed_words(command, known)});
+  }
+  try {
+    return dispatch(plant, *row, drive, make_value(*row));
+  } catch (const Refuse& r) {
+    return Unexpected(r.error);
+  }
+}
+
+}  // namespace
+
+const std::vector<CommandInfo>& commands() {
+  static const std::vector<CommandInfo> all = [] {
+    std::vector<CommandInfo> out;
+    for (const Row& r : rows()) out.push_back(r.info);
+    return out;
+  }();
+  return all;
+}
+
+CommandResult execute(Plant& plant, std::string_view command, std::string_view drive, const Json& value) {
+  return guarded(plant, command, drive, [&](const Row&) { return value; });
+}
+
+CommandResult execute_words(Plant& plant, std::string_view command, std::string_view drive,
+                            const std::vector<std::string>& words) {
+  return guarded(plant, command, drive, [&](const Row& row) { return value_of(row, words); });
+}
+
+Json endpoints_json(const DriveUnit& drive) {
+  Json out = Json::array();
+  if (drive.tcp)
+    out.push_back(
+        {{"protocol", "modbus-tcp"}, {"host", drive.tcp->host}, {"port", drive.tcp->port}, {"unit", drive.unit()}});
+  if (drive.serial) out.push_back({{"protocol", "modbus-rtu"}, {"path", drive.serial->path}, {"unit", drive.unit()}});
+  return out;
+}
+
+}  // namespace vinv::rig

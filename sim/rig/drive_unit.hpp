@@ -1,0 +1,55 @@
+// One drive of a plant: inverter, option board and the surroundings that people set.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "motor_model/inverter/inverter.hpp"
+#include "option_boards/boards/option_board.hpp"
+#include "sim/kernel/scheduler.hpp"
+#include "sim/rig/plant_file.hpp"
+
+namespace vinv::rig {
+
+// Where a foreign client finds the drive, as the transports opened it.
+struct TcpEndpoint {
+  std::string host;
+  std::uint16_t port = 0;
+};
+struct SerialEndpoint {
+  std::string path;
+};
+
+struct DriveUnit {
+  DriveSpec spec;
+  std::optional<TcpEndpoint> tcp;
+  std::optional<SerialEndpoint> serial;
+  std::unique_ptr<inverter::Inverter> inverter;
+  std::unique_ptr<boards::OptionBoard> board;  // nullptr: none fitted
+
+  // The mains are what the plant file or `mains: {voltage}` says, less a dip and lost phases.
+  plant::MainsState mains;
+  double dip_fraction = 0;
+  kernel::EventId dip_ends = 0;  // pending events of commands that take time; 0: none
+  kernel::EventId power_returns = 0;
+  kernel::EventId reset_released = 0;
+
+  bool board_powered = false;
+  std::optional<Instant> board_deadline;
+  kernel::EventId board_event = 0;
+
+  // The unit identifier that masters use; what the switches say while the board is without power.
+  unsigned unit() const {
+    const unsigned address = board && board->modbus_unit() != nullptr ? board->modbus_unit()->address() : 0;
+    return address != 0 ? address : spec.board ? spec.board->node.value : 0;
+  }
+  void apply_mains() {
+    plant::MainsState now = mains;
+    now.voltage_v_rms *= 1 - dip_fraction;
+    inverter->set_mains(now);
+  }
+};
+
+}  // namespace vinv::rig

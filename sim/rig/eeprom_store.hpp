@@ -1,0 +1,57 @@
+// EEPROM files of a live plant: one per drive in the plant's state folder, FOLDER/DRIVE.eeprom, written whole by
+// temporary file, fsync and rename on a thread of their own. A damaged file is kept aside as DRIVE.eeprom.damaged-N.
+#pragma once
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+namespace vinv::rig {
+
+class EepromStore {
+ public:
+  // Makes the folder and locks it, so that two processes never write the same files. Throws std::runtime_error with a
+  // sentence for a person if it cannot.
+  explicit EepromStore(std::string folder);
+  // Writes what is still queued.
+  ~EepromStore();
+  EepromStore(const EepromStore&) = delete;
+  EepromStore& operator=(const EepromStore&) = delete;
+
+  const std::string& folder() const { return folder_; }
+  std::string path(const std::string& drive) const { return folder_ + "/" + drive + ".eeprom"; }
+
+  // Empty if there is no file. Throws if there is one that cannot be read.
+  std::optional<std::string> load(const std::string& drive) const;
+  // Moves the file to the first free DRIVE.eeprom.damaged-N and returns that path. Throws if it cannot.
+  std::string keep_aside(const std::string& drive) const;
+  // Queues the text for writing; a newer text of the same drive takes the place of one that waits.
+  void store(const std::string& drive, std::string text);
+  // Waits until everything queued is written. Returns the first failure since the last call, a sentence, or nothing.
+  std::string flush();
+  // The first failure since the last call, without waiting.
+  std::string take_failure();
+
+ private:
+  void write_queued();
+
+  std::string folder_;
+  int lock_ = -1;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<std::string, std::string> queued_;  // drive, text
+  bool writing_ = false;
+  bool stopping_ = false;
+  std::string failure_;
+  std::thread writer_;
+};
+
+// Writes the whole text or nothing: temporary file beside it, fsync, rename, fsync of the folder. Throws
+// std::runtime_error with the path and the reason.
+void write_whole_file(const std::string& path, const std::string& text);
+
+}  // namespace vinv::rig

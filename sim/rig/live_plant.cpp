@@ -1,0 +1,204 @@
+#include "sim/rig/live_plant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/rig/folders.hpp"
+#include "sim/transports/serial_pty.hpp"
+#include "sim/transports/serial_tty.hpp"
+
+namespace vinv::rig {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Between a parameter write and its way to the disk.
+constexpr Duration kHousekeepingInterval = milliseconds(100);
+constexpr Duration kReadyInterval = milliseconds(5);
+// A drive that never starts up (dead mains, storage alarm) must not keep the others from being announced.
+constexpr Duration kReadyTimeout = std::chrono::seconds(10);
+// FIFO and latency timer of common USB adapters.
+constexpr Duration kTtySlack = milliseconds(20);
+
+transports::LineSettings transport_settings(const boards::LineSettings& s) {
+  using Parity = transports::LineSettings::Parity;
+  transports::LineSettings out;
+  out.baud = s.baud;
+  out.parity = s.parity == boards::LineSettings::Parity::kNone  ? Parity::kNone
+               : s.parity == boards::LineSettings::Parity::kOdd ? Parity::kOdd
+                                                                : Parity::kEven;
+  return out;
+}
+
+template <class T>
+T opened(Result<T, std::string> result) {
+  if (!result) throw std::runtime_error(result.error());
+  return std::move(result).value();
+}
+
+}  // namespace
+
+LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogue& catalogue,
+                     const LiveOptions& options, Notice notice)
+    : loop_(loop), notice_(std::move(notice)) {
+  const std::string runtime =
+      options.runtime_folder.empty() ? default_runtime_folder(file.name) : options.runtime_folder;
+  store_ = std::make_unique<EepromStore>(options.state_folder.empty() ? default_state_folder(file.name)
+                                                                      : options.state_folder);
+  PlantOptions plant_options;
+  plant_options.catalogue = catalogue;
+  plant_options.clock = [this] { return loop_.now(); };
+  if (!options.fresh) plant_options.stored_eeprom = [this](const std::string& drive) { return store_->load(drive); };
+  plant_options.damaged_eeprom = [this](const std::string& drive, const std::string& reason) {
+    notice_(drive + ": the stored EEPROM is damaged: " + reason + " It is kept as " + store_->keep_aside(drive) +
+            "; the drive starts with factory values and its storage alarm.");
+  };
+  plant_ = std::make_unique<Plant>(std::move(file), loop_.scheduler(), std::move(plant_options));
+  if (options.fresh)
+    for (const auto& d : plant_->drives()) store_->store(d->spec.name, d->inverter->eeprom_text());
+
+  make_private_folder(runtime);
+  control_ = std::make_unique<ControlServer>(*plant_);
+  control_listener_ = opened(transports::UnixSocketListener::open(
+      loop_, runtime + "/" + kControlSocketName,
+      [this](Instant now, std::unique_ptr<transports::ByteStream> stream) { control_->accept(now, std::move(stream)); }));
+  open_tcp(options);
+  open_serial(runtime);
+  plant_->start();
+  schedule_housekeeping();
+}
+
+LivePlant::~LivePlant() {
+  for (const kernel::EventId id : {housekeeping_, ready_check_})
+    if (id != 0) loop_.scheduler().cancel(id);
+}
+
+void LivePlant::open_tcp(const LiveOptions& options) {
+  if (!options.record_ip.empty()) {
+    const auto unix_now = std::chrono::system_clock::now().time_since_epoch();
+    recorder_ = opened(transports::IpRecorder::open(
+        options.record_ip, std::chrono::duration_cast<std::chrono::nanoseconds>(unix_now).count()));
+  }
+  for (std::size_t i = 0; i < plant_->file().tcp.size(); ++i) {
+    const bool used = std::any_of(plant_->drives().begin(), plant_->drives().end(),
+                                  [&](const auto& d) { return d->spec.board && d->spec.board->tcp == i; });
+    if (!used) continue;
+    const TcpNetwork& net = plant_->file().tcp[i];
+    transports::TcpListenerOptions listen;
+    listen.host = net.host;
+    listen.port = net.port;
+    // The bound port is known once open() has returned, and nothing is accepted before the loop runs.
+    const auto bound = std::make_shared<TcpEndpoint>();
+    tcp_.push_back(opened(transports::TcpListener::open(
+        loop_, listen, [this, i, bound](Instant now, std::unique_ptr<transports::ByteStream> stream) {
+          if (recorder_) stream = recorder_->wrap(now, std::move(stream), bound->host, bound->port);
+          plant_->accept_tcp(i, now, std::move(stream));
+        })));
+    *bound = {tcp_.back()->host(), tcp_.back()->port()};
+    for (const auto& d : plant_->drives())
+      if (d->spec.board && d->spec.board->tcp == i) d->tcp = *bound;
+  }
+}
+
+void LivePlant::open_serial(const std::string& runtime_folder) {
+  for (std::size_t i = 0; i < plant_->file().serial.size(); ++i) {
+    const bool used = std::any_of(plant_->drives().begin(), plant_->drives().end(),
+                                  [&](const auto& d) { return d->spec.board && d->spec.board->serial == i; });
+    if (used) open_line(i, runtime_folder);
+  }
+}
+
+void LivePlant::open_line(std::size_t index, const std::string& runtime_folder) {
+  const SerialNetwork& net = plant_->file().serial[index];
+  std::unique_ptr<transports::SerialLine> line;
+  LineOptions options;
+  std::string path;
+  if (net.device == "pty") {
+    transports::SerialPtyOptions pty;
+    pty.link = runtime_folder + "/" + net.name + ".tty";
+    path = pty.link;
+    line = opened(transports::SerialPty::open(loop_, pty));
+  } else {
+    transports::SerialTtyOptions tty;
+    tty.path = path = net.device;
+    auto port = opened(transports::SerialTty::open(loop_, tty));
+    port->set_notice([this](Instant, const std::string& sentence) { notice_(sentence); });
+    options.receive_slack = kTtySlack;
+    line = std::move(port);
+  }
+  transports::SerialLine* carrier = line.get();  // lives as long as the plant's line
+  options.far_end_baud = [carrier]() -> std::optional<std::uint32_t> {
+    const auto peer = carrier->peer_settings();
+    return peer ? std::optional(peer->baud) : std::nullopt;
+  };
+  options.on_settings = [this, carrier](const boards::LineSettings& settings) {
+    const auto set = carrier->set_line_settings(transport_settings(settings));
+    if (!set) notice_(set.error());
+  };
+  plant_->connect_serial(index, std::move(line), std::move(options));
+  for (const auto& d : plant_->drives())
+    if (d->spec.board && d->spec.board->serial == index) d->serial = SerialEndpoint{path};
+}
+
+void LivePlant::schedule_housekeeping() {
+  housekeeping_ = loop_.scheduler().schedule_every(
+      loop_.scheduler().now() + kHousekeepingInterval, kHousekeepingInterval, kernel::Priority::kObserver,
+      [this](Instant) {
+        plant_->collect_eeproms([this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
+        if (const std::string failure = store_->take_failure(); !failure.empty()) notice_(failure);
+      });
+}
+
+void LivePlant::when_ready(std::function<void()> ready) {
+  const Instant give_up = loop_.scheduler().now() + kReadyTimeout;
+  ready_check_ = loop_.scheduler().schedule_every(
+      loop_.scheduler().now() + kReadyInterval, kReadyInterval, kernel::Priority::kObserver,
+      [this, give_up, ready = std::move(ready)](Instant now) {
+        if (!plant_->settled() && now < give_up) return;
+        const auto call = ready;  // the action may end with its event
+        loop_.scheduler().cancel(std::exchange(ready_check_, 0));
+        call();
+      });
+}
+
+std::string LivePlant::store_eeproms() {
+  plant_->collect_eeproms([this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
+  return store_->flush();
+}
+
+Json LivePlant::ready_json() const {
+  Json out;
+  out["drives"] = Json::array();
+  for (const auto& d : plant_->drives())
+    out["drives"].push_back({{"name", d->spec.name},
+                             {"family", d->inverter->family()},
+                             {"board", d->board ? Json(d->board->type()) : Json()},
+                             {"endpoints", endpoints_json(*d)}});
+  out["control"] = control_path();
+  return out;
+}
+
+std::string LivePlant::table() const {
+  std::string out;
+  for (const auto& d : plant_->drives()) {
+    out += fmt::format("{}  {} {}, motor {}\n", d->spec.name, d->inverter->family(), d->inverter->model(), d->spec.motor.value.name);
+    if (d->tcp)
+      out += fmt::format("  Modbus/TCP  {}:{} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
+                         d->tcp->host, d->tcp->port, d->unit(), d->tcp->port, d->unit(), d->tcp->host);
+    if (d->serial) {
+      const auto line = d->board->serial_channel()->line_settings();
+      using Parity = boards::LineSettings::Parity;
+      const char* parity = line.parity == Parity::kNone ? "none" : line.parity == Parity::kOdd ? "odd" : "even";
+      out += fmt::format("  Modbus RTU  {} unit {}, {} baud, parity {}\n              mbpoll -m rtu -b {} -P {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
+                         d->serial->path, d->unit(), line.baud, parity, line.baud, parity, d->unit(), d->serial->path);
+    }
+    if (!d->board) out += "  no option board\n";
+  }
+  return out;
+}
+
+}  // namespace vinv::rig

@@ -1,0 +1,193 @@
+#include "sim/rig/plant.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "sim/rig/words.hpp"
+
+namespace vinv::rig {
+
+Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
+    : file_(std::move(file)), scheduler_(scheduler), clock_(std::move(options.clock)), lines_(file_.serial.size()), drives_on_line_(file_.serial.size()) {
+  for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
+  for (const DriveSpec& spec : file_.drives) {
+    drives_.push_back(build(spec, options));
+    DriveUnit& d = *drives_.back();
+    if (!d.board) continue;
+    boards::SerialChannel* channel = d.board->serial_channel();
+    modbus::Unit* unit = d.board->modbus_unit();
+    if (spec.board->serial && channel != nullptr) {
+      lines_[*spec.board->serial].add(*channel);
+      drives_on_line_[*spec.board->serial].push_back(&d);
+    }
+    if (spec.board->tcp && unit != nullptr) ports_[*spec.board->tcp]->add(*unit);
+  }
+}
+
+Plant::~Plant() {
+  if (tick_event_ != 0) scheduler_.cancel(tick_event_);
+  for (const auto& d : drives_)
+    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released})
+      if (id != 0) scheduler_.cancel(id);
+}
+
+std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOptions& options) {
+  const auto refuse = [&](Position at, const std::string& message) {
+    throw PlantFileError(file_.path, {{at, spec.name + ": " + message}});
+  };
+  auto d = std::make_unique<DriveUnit>();
+  d->spec = spec;
+
+  inverter::InverterConfig config;
+  config.model = spec.model.value;
+  config.motor = spec.motor.value;
+  config.load = spec.load.value;
+  plant::LossSettings losses = plant::typical_losses(config.motor);
+  losses.viscous_nm_s = spec.friction.viscous_nm_s.value_or(losses.viscous_nm_s);
+  losses.coulomb_nm = spec.friction.coulomb_nm.value_or(losses.coulomb_nm);
+  losses.iron_loss_w_at_rated = spec.losses.iron_loss_w_at_rated.value_or(losses.iron_loss_w_at_rated);
+  losses.inverter_loss_fraction = spec.losses.inverter_loss_fraction.value_or(losses.inverter_loss_fraction);
+  losses.standby_w = spec.losses.standby_w.value_or(losses.standby_w);
+  config.losses = losses;
+  if (spec.mains_v_rms) config.mains = plant::MainsState{.voltage_v_rms = *spec.mains_v_rms};
+  config.ambient_c = spec.ambient_c;
+  config.brake_resistance_ohm = spec.brake_resistor_ohm;
+  config.source_resistance_ohm = spec.source_resistance_ohm;
+  config.option_fitted = spec.board.has_value();
+  config.solver.choice = spec.solver;
+  auto made = options.catalogue.make_inverter(spec.family, config);
+  if (!made) refuse(spec.model.at, made.error());
+  d->inverter = std::move(made).value();
+  d->mains = d->inverter->plant().mains();
+
+  std::optional<std::string> stored;
+  if (options.stored_eeprom) stored = options.stored_eeprom(spec.name);
+  if (!stored) {
+    first_values(*d);
+  } else if (const auto loaded = d->inverter->load_eeprom(*stored); !loaded) {
+    if (options.damaged_eeprom) options.damaged_eeprom(spec.name, loaded.error());
+  }
+  inputs(*d);
+
+  if (spec.board) {
+    boards::BoardConfig board;
+    board.type = spec.board->type.value;
+    board.node = spec.board->node.value;
+    auto fitted = options.catalogue.make_board(board, d->inverter->port());
+    if (!fitted) refuse(spec.board->node.at, fitted.error());
+    d->board = std::move(fitted).value();
+  }
+  return d;
+}
+
+// Plant-file parameters and the node are what a drive has when it starts for the first time.
+void Plant::first_values(DriveUnit& d) {
+  const auto refuse = [&](Position at, const std::string& message) {
+    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + message}});
+  };
+  if (d.spec.board) {
+    const std::string_view node = node_parameter(d.spec.board->type.value);
+    if (!node.empty())
+      if (const auto set = d.inverter->preset_parameter(node, d.spec.board->node.value); !set)
+        refuse(d.spec.board->node.at, set.error());
+  }
+  for (const auto& [name, value] : d.spec.parameters)
+    if (const auto set = d.inverter->preset_parameter(name.value, value.value); !set) refuse(name.at, set.error());
+}
+
+void Plant::inputs(DriveUnit& d) {
+  const auto refuse = [&](Position at, const std::string& message) {
+    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + message}});
+  };
+  for (const auto& [name, on] : d.spec.terminals) {
+    if (const auto set = d.inverter->set_terminal(name.value, on); !set) {
+      std::vector<std::string_view> known;
+      for (const auto& t : d.inverter->terminals()) known.push_back(t.first);
+      refuse(name.at, set.error() + suggestion(name.value, known));
+    }
+  }
+  for (const auto& [name, value] : d.spec.analog)
+    if (const auto set = d.inverter->set_analog(name.value, value); !set) refuse(name.at, set.error());
+}
+
+void Plant::start() {
+  for (const auto& d : drives_)
+    if (d->spec.power) set_power(*d, true);
+  tick_event_ = scheduler_.schedule_every(scheduler_.now() + inverter::Inverter::kControlPeriod, inverter::Inverter::kControlPeriod,
+                                          kernel::Priority::kDrive, [this](Instant at) { tick(at); });
+}
+
+DriveUnit* Plant::find(std::string_view name) {
+  const auto it = std::find_if(drives_.begin(), drives_.end(), [&](const auto& d) { return d->spec.name == name; });
+  return it == drives_.end() ? nullptr : it->get();
+}
+
+void Plant::connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options) {
+  lines_[line].connect(now(), std::move(stream), std::move(options), [this, line](Instant at) {
+    for (DriveUnit* d : drives_on_line_[line]) settle(at, *d);
+  });
+}
+
+void Plant::accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream) {
+  ports_[port]->accept(now, std::move(stream));
+}
+
+void Plant::set_power(DriveUnit& drive, bool on) {
+  drive.inverter->set_power(on);
+  follow_power(now(), drive);
+  settle(now(), drive);
+}
+
+void Plant::follow_power(Instant now, DriveUnit& d) {
+  const bool powered = d.inverter->powered();
+  if (powered == d.board_powered || !d.board) return;
+  d.board_powered = powered;
+  d.board->handle_power(now, powered);
+}
+
+void Plant::tick(Instant now) {
+  ++ticks_;
+  for (const auto& d : drives_) {
+    d->inverter->tick(now);
+    if (!d->board) continue;
+    follow_power(now, *d);
+    d->board->handle_drive_tick(now);
+    settle(now, *d);
+  }
+  for (const auto& port : ports_) port->poll(now);
+}
+
+void Plant::settle(Instant now, DriveUnit& d) {
+  if (!d.board) return;
+  if (boards::SerialChannel* channel = d.board->serial_channel(); channel != nullptr && d.spec.board->serial) {
+    BoardLine& line = lines_[*d.spec.board->serial];
+    while (const auto frame = channel->poll_transmit(now)) line.send(now, *frame);
+    line.follow_settings();
+  }
+  const auto deadline = d.board->next_deadline();
+  if (deadline == d.board_deadline) return;
+  if (d.board_event != 0) scheduler_.cancel(d.board_event);
+  d.board_deadline = deadline;
+  d.board_event = 0;
+  if (!deadline) return;
+  DriveUnit* drive = &d;
+  d.board_event =
+      scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard, [this, drive](Instant at) {
+        drive->board_event = 0;
+        drive->board_deadline.reset();
+        drive->board->handle_timeout(at);
+        settle(at, *drive);
+      });
+}
+
+void Plant::collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store) {
+  for (const auto& d : drives_)
+    if (d->inverter->take_eeprom_changed()) store(d->spec.name, d->inverter->eeprom_text());
+}
+
+bool Plant::settled() const {
+  return std::all_of(drives_.begin(), drives_.end(),
+                     [](const auto& d) { return !d->inverter->powered() || d->inverter->port().ready(); });
+}
+
+}  // namespace vinv::rig

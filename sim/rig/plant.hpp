@@ -1,0 +1,84 @@
+// A plant of drives: inverters, boards and wires on one scheduler. It runs the same in virtual time (tests, scenarios)
+// and on an event loop: who owns the scheduler makes the time pass.
+//
+// At each control period all drives tick in the order of the plant file; after each tick its board sees the drive, then
+// channels are drained and deadlines read. Bytes that arrive go to the board at once.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/kernel/scheduler.hpp"
+#include "sim/rig/catalogue.hpp"
+#include "sim/rig/drive_unit.hpp"
+#include "sim/rig/plant_file.hpp"
+#include "sim/rig/board_line.hpp"
+#include "sim/rig/tcp_port.hpp"
+
+namespace vinv::rig {
+
+struct PlantOptions {
+  Catalogue catalogue;
+  // The stored EEPROM of a drive; empty if there is none. Not set: nothing is stored.
+  std::function<std::optional<std::string>(const std::string& drive)> stored_eeprom;
+  // A stored EEPROM was refused, for this reason.
+  std::function<void(const std::string& drive, const std::string& reason)> damaged_eeprom;
+  // Time now. Default: the scheduler's; an event loop knows it better between two events.
+  std::function<Instant()> clock;
+};
+
+class Plant {
+ public:
+  // Builds everything, without power. What a drive or board refuses of the file is a PlantFileError with its place.
+  // The scheduler outlives the plant and is not run after the plant is gone.
+  Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options);
+  ~Plant();
+  Plant(const Plant&) = delete;
+  Plant& operator=(const Plant&) = delete;
+
+  // Powers the drives that the file has powered, now, and ticks from then on.
+  void start();
+
+  const PlantFile& file() const { return file_; }
+  kernel::Scheduler& scheduler() { return scheduler_; }
+  Instant now() const { return clock_ ? clock_() : scheduler_.now(); }
+  std::vector<std::unique_ptr<DriveUnit>>& drives() { return drives_; }
+  const std::vector<std::unique_ptr<DriveUnit>>& drives() const { return drives_; }
+  DriveUnit* find(std::string_view name);
+
+  // Wires, by their index in the plant file.
+  void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
+  void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
+
+  // The drive's own breaker; its board follows.
+  void set_power(DriveUnit& drive, bool on);
+  // Hands out the EEPROM of each drive that has changed since the last call.
+  void collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store);
+  // Drives and their boards are up: nobody is in start-up. Drives without power count as up.
+  bool settled() const;
+  std::uint64_t ticks() const { return ticks_; }
+
+ private:
+  std::unique_ptr<DriveUnit> build(const DriveSpec& spec, const PlantOptions& options);
+  void first_values(DriveUnit& drive);
+  void inputs(DriveUnit& drive);
+  void tick(Instant now);
+  void settle(Instant now, DriveUnit& drive);
+  void follow_power(Instant now, DriveUnit& drive);
+
+  PlantFile file_;
+  kernel::Scheduler& scheduler_;
+  std::function<Instant()> clock_;
+  std::vector<std::unique_ptr<DriveUnit>> drives_;
+  std::vector<BoardLine> lines_;
+  std::vector<std::vector<DriveUnit*>> drives_on_line_;
+  std::vector<std::unique_ptr<TcpPort>> ports_;
+  kernel::EventId tick_event_ = 0;
+  std::uint64_t ticks_ = 0;
+};
+
+}  // namespace vinv::rig

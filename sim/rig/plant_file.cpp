@@ -1,0 +1,640 @@
+#include "sim/rig/plant_file.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "sim/rig/words.hpp"
+#include "sim/rig/yaml_map.hpp"
+
+namespace vinv::rig {
+namespace {
+
+using Keys = std::vector<std::string_view>;
+
+constexpr std::string_view kDefaultFamily = "fr-e500";
+constexpr std::string_view kDefaultModel = "FR-E540-1.5K";
+constexpr std::string_view kDefaultTcp = "127.0.0.1:1502";
+
+std::string what_of(const std::string& file, const std::vector<Problem>& problems) {
+  std::string out;
+  for (const Problem& p : problems) {
+    if (!out.empty()) out += '\n';
+    out += file;
+    if (p.at.line > 0) out += ":" + std::to_string(p.at.line) + ":" + std::to_string(p.at.column);
+    out += ": " + p.message;
+  }
+  return out;
+}
+
+std::string stem(const std::string& path) {
+  std::string s = path.substr(path.find_last_of('/') + 1);
+  s = s.substr(0, s.find_first_of('.'));
+  for (char& c : s)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
+  return is_plant_word(s) ? s : "plant";
+}
+
+// "127.0.0.1:1502", "[::1]:0", "localhost:1502".
+std::optional<TcpNetwork> parse_host_port(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) return {};
+  std::string_view host = text.substr(0, colon);
+  const std::string_view port = text.substr(colon + 1);
+  double number = 0;
+  if (!parse_number(port, number) || number < 0 || number > 65535 || port.find('.') != std::string_view::npos)
+    return {};
+  TcpNetwork net;
+  net.port = static_cast<std::uint16_t>(number);
+  if (host == "localhost") host = "127.0.0.1";
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+    if (host.find_first_not_of("0123456789abcdefABCDEF:.") != std::string_view::npos ||
+        host.find(':') == std::string_view::npos)
+      return {};
+  } else {
+    int parts = 0;
+    for (std::size_t at = 0; at <= host.size(); ++parts) {
+      const std::size_t dot = std::min(host.find('.', at), host.size());
+      const std::string_view octet = host.substr(at, dot - at);
+      double value = 0;
+      if (octet.empty() || octet.size() > 3 || octet.find_first_not_of("0123456789") != std::string_view::npos ||
+          !parse_number(octet, value) || value > 255)
+        return {};
+      at = dot + 1;
+    }
+    if (parts != 4) return {};
+  }
+  net.host = host;
+  return net;
+}
+
+class Loader {
+ public:
+  Loader(const std::string& path, const Catalogue& catalogue) : catalogue_(catalogue) {
+    file_.path = path;
+    file_.name = stem(path);
+  }
+
+  PlantFile load(std::string_view text) {
+    const auto root = parse(text);
+    if (root) plant(*root);
+    if (!problems_.empty()) {
+      auto list = problems_.take();
+      std::stable_sort(list.begin(), list.end(), [](const Problem& a, const Problem& b) {
+        return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
+      });
+      throw PlantFileError(file_.path, std::move(list));
+    }
+    return std::move(file_);
+  }
+
+ private:
+  static const Keys& keys(const char* path) { return plant_file_keys().at(path); }
+
+  std::optional<YAML::Node> parse(std::string_view text) {
+    if (text.size() > kMaxPlantFileBytes) {
+      problems_.add(Position{}, "the file is larger than " + std::to_string(kMaxPlantFileBytes) + " bytes.");
+      return {};
+    }
+    try {
+      auto documents = YAML::LoadAll(std::string(text));
+      if (documents.empty() || documents[0].IsNull()) {
+        problems_.add(Position{1, 1}, "the file is empty; a plant needs at least \"drives:\" with one drive.");
+        return {};
+      }
+      if (documents.size() > 1) {
+        problems_.add(documents[1], "a second document (---) begins here; a plant file is one document.");
+        return {};
+      }
+      return documents[0];
+    } catch (const YAML::Exception& e) {
+      const Position at = e.mark.is_null() ? Position{1, 1} : Position{e.mark.line + 1, e.mark.column + 1};
+      problems_.add(at, "this is not YAML: " + e.msg + ".");
+      return {};
+    }
+  }
+
+  void plant(const YAML::Node& root) {
+    const YamlMap map(root, "the plant file", &keys(""), problems_);
+    if (!map) return;
+    if (const auto name = map.text("name")) {
+      if (is_plant_word(*name))
+        file_.name = *name;
+      else
+        bad_word(*map.find("name"), "name of the plant", *name);
+    }
+    if (const YAML::Node* node = map.find("networks")) networks(*node);
+    const YAML::Node* drives = map.find("drives");
+    if (drives == nullptr) {
+      if (std::none_of(map.entries().begin(), map.entries().end(), [](const auto& e) { return e.key == "drives"; }))
+        problems_.add(map.at(), "\"drives\" is missing; a plant needs a list of at least one drive.");
+      return;
+    }
+    if (!drives->IsSequence() || drives->size() == 0 || drives->size() > kMaxDrives) {
+      problems_.add(*drives,
+                    "drives is " +
+                        (drives->IsSequence() ? "a list of " + std::to_string(drives->size()) : kind_of(*drives)) +
+                        "; allowed: a list (- name: ...) of 1 to " + std::to_string(kMaxDrives) + " drives.");
+      return;
+    }
+    for (const auto& node : *drives) drive(node);
+    nodes();
+  }
+
+  void bad_word(const YAML::Node& node, const std::string& what, const std::string& word) {
+    problems_.add(node, what + " is \"" + word + "\"; allowed: a letter, then letters, digits, _ and -, 64 in all.");
+  }
+
+  // --- networks ---
+
+  struct NamedNetwork {
+    std::string name;
+    bool serial = false;
+    std::size_t index = 0;
+  };
+
+  void networks(const YAML::Node& node) {
+    const YamlMap map(node, "networks", nullptr, problems_);
+    for (const auto& entry : map.entries()) {
+      if (!is_plant_word(entry.key)) {
+        problems_.add(entry.at, "name of a network is \"" + entry.key +
+                                    "\"; allowed: a letter, then letters, digits, _ and -, 64 in all.");
+        continue;
+      }
+      if (entry.empty) continue;
+      const YamlMap net(entry.value, "network " + entry.key, &keys("networks.*"), problems_);
+      if (!net) continue;
+      if (net.has("serial") == net.has("modbus_tcp")) {
+        problems_.add(entry.at, "network " + entry.key + (net.has("serial") ? " has both kinds" : " has no kind") +
+                                    "; allowed: one of serial (pty or a device) and modbus_tcp (host:port).");
+        continue;
+      }
+      if (const auto device = net.text("serial")) {
+        if (*device == "pty" || device->starts_with("/dev/")) {
+          named_.push_back({entry.key, true, file_.serial.size()});
+          file_.serial.push_back({entry.key, *device, position_of(*net.find("serial"))});
+        } else {
+          problems_.add(*net.find("serial"), "serial in network " + entry.key + " is \"" + *device +
+                                                 "\"; allowed: pty, or a device as /dev/ttyUSB0.");
+        }
+      }
+      if (const auto address = net.text("modbus_tcp")) {
+        if (const auto tcp = tcp_address(*net.find("modbus_tcp"), "modbus_tcp in network " + entry.key, *address)) {
+          named_.push_back({entry.key, false, file_.tcp.size()});
+          file_.tcp.push_back(*tcp);
+        }
+      }
+    }
+  }
+
+  std::optional<TcpNetwork> tcp_address(const YAML::Node& node, const std::string& what, const std::string& text) {
+    auto tcp = parse_host_port(text);
+    if (!tcp) {
+      problems_.add(node,
+                    what + " is \"" + text +
+                        "\"; allowed: address:port, as 127.0.0.1:1502, [::1]:1502 or 0.0.0.0:502; port 0 to 65535, "
+                        "0 picks a free one.");
+      return {};
+    }
+    tcp->at = position_of(node);
+    return tcp;
+  }
+
+  std::vector<std::string_view> network_names(bool serial) const {
+    std::vector<std::string_view> out;
+    for (const NamedNetwork& n : named_)
+      if (n.serial == serial) out.push_back(n.name);
+    return out;
+  }
+
+  const NamedNetwork* network(std::string_view name) const {
+    const auto it = std::find_if(named_.begin(), named_.end(), [&](const NamedNetwork& n) { return n.name == name; });
+    return it == named_.end() ? nullptr : &*it;
+  }
+
+  // --- drives ---
+
+  void drive(const YAML::Node& node) {
+    DriveSpec d;
+    const std::string number = std::to_string(file_.drives.size() + 1);
+    d.at = position_of(node);
+    const YamlMap map(node, "drive " + number, &keys("drives[]"), problems_);
+    d.name = "drive_" + number;
+    if (const auto name = map ? map.text("name") : std::nullopt) {
+      d.name = *name;
+      if (!is_plant_word(*name)) bad_word(*map.find("name"), "name of drive " + number, *name);
+    }
+    const auto same =
+        std::find_if(file_.drives.begin(), file_.drives.end(), [&](const DriveSpec& o) { return o.name == d.name; });
+    if (same != file_.drives.end())
+      problems_.add(map && map.has("name") ? position_of(*map.find("name")) : d.at,
+                    "the name \"" + d.name + "\" is taken by the drive in line " + std::to_string(same->at.line) + ".");
+    if (map) {
+      const bool model_known = inverter(map, d);
+      motor(map, d, model_known);
+      load(map, d);
+      surroundings(map, d);
+      board(map, d);
+      inputs(map, d);
+      parameters(map, d);
+    }
+    file_.drives.push_back(std::move(d));
+  }
+
+  bool inverter(const YamlMap& map, DriveSpec& d) {
+    d.family = kDefaultFamily;
+    d.model = {std::string(kDefaultModel), d.at};
+    const YAML::Node* node = map.find("inverter");
+    if (node == nullptr) return true;
+    const YamlMap inv(*node, "inverter of " + d.name, &keys("drives[].inverter"), problems_);
+    if (!inv) return false;
+    if (inv.has("family")) {
+      const auto family = inv.word("family", catalogue_.families());
+      if (!family) return false;
+      d.family = *family;
+    }
+    const auto models = catalogue_.models(d.family);
+    if (inv.has("model")) {
+      const auto model = inv.word("model", models);
+      if (!model) return false;
+      d.model = {*model, position_of(*inv.find("model"))};
+    } else if (std::find(models.begin(), models.end(), d.model.value) == models.end() && !models.empty()) {
+      d.model.value = models.front();
+    }
+    return true;
+  }
+
+  void motor(const YamlMap& map, DriveSpec& d, bool model_known) {
+    d.motor.at = d.model.at;
+    if (model_known) d.motor.value = default_motor(d.model.value);
+    const YAML::Node* node = map.find("motor");
+    if (node == nullptr) return;
+    const YamlMap m(*node, "motor of " + d.name, &keys("drives[].motor"), problems_);
+    if (!m) return;
+    d.motor.at = m.at();
+    auto& motor = d.motor.value;
+    bool from_preset = false;
+    if (m.has("preset")) {
+      const auto preset = m.word("preset", plant::machine_names());
+      if (!preset) return;
+      motor = *plant::find_machine(*preset);
+      from_preset = true;
+    } else if (m.entries().empty()) {
+      return;
+    } else {
+      motor = {};
+      motor.name = d.name + "_motor";
+    }
+    struct Field {
+      const char* key;
+      double plant::MachineParameters::*value;
+      Range range;
+      bool required;
+    };
+    static constexpr double kHuge = 1e9;
+    static const std::array fields{
+        Field{"R_s_ohm", &plant::MachineParameters::R_s_ohm, {0, 1e5, true}, true},
+        Field{"R_r_ohm", &plant::MachineParameters::R_r_ohm, {0, 1e5, true}, true},
+        Field{"L_ls_H", &plant::MachineParameters::L_ls_h, {0, 1e3, true}, true},
+        Field{"L_lr_H", &plant::MachineParameters::L_lr_h, {0, 1e3, true}, true},
+        Field{"L_m_H", &plant::MachineParameters::L_m_h, {0, 1e4, true}, true},
+        Field{"inertia_kg_m2", &plant::MachineParameters::inertia_kg_m2, {0, 1e6, true}, true},
+        Field{"rated_power_W", &plant::MachineParameters::rated_power_w, {0, kHuge, true}, true},
+        Field{"rated_voltage_V", &plant::MachineParameters::rated_voltage_v_rms, {0, 1e5, true}, true},
+        Field{"rated_frequency_Hz", &plant::MachineParameters::rated_frequency_hz, {0, 1000, true}, false},
+        Field{"rated_current_A", &plant::MachineParameters::rated_current_a_rms, {0, 1e6, true}, true},
+        Field{"rated_speed_rpm", &plant::MachineParameters::rated_speed_rpm, {0, 1e5, true}, true},
+    };
+    std::vector<std::string_view> missing;
+    for (const Field& f : fields) {
+      if (const auto v = m.number(f.key, f.range)) motor.*f.value = *v;
+      if (f.required && !from_preset && !m.has(f.key)) missing.push_back(f.key);
+    }
+    if (const auto poles = m.integer("pole_pairs", 1, 50)) motor.pole_pairs = static_cast<int>(*poles);
+    if (!missing.empty()) {
+      problems_.add(m.at(), "motor of " + d.name + " lacks " + join(missing) +
+                                "; give a preset, or all values of the equivalent circuit and the name plate.");
+    } else if (const auto fine = plant::validate(motor); !fine && !any_bad(m)) {
+      problems_.add(m.at(), "motor of " + d.name + " is refused: " + fine.error());
+    }
+  }
+
+  // A value of this mapping is a problem already; what follows from it would only confuse.
+  bool any_bad(const YamlMap& map) {
+    auto list = problems_.take();
+    const bool bad = std::any_of(list.begin(), list.end(), [&](const Problem& p) {
+      return std::any_of(map.entries().begin(), map.entries().end(),
+                         [&](const auto& e) { return p.at.line == e.at.line && p.at.column >= e.at.column; });
+    });
+    for (Problem& p : list) problems_.add(p.at, std::move(p.message));
+    return bad;
+  }
+
+  static constexpr Range kTorque{-1e6, 1e6};
+  static constexpr Range kTorqueFromZero{0, 1e6};
+
+  void load(const YamlMap& map, DriveSpec& d) {
+    d.load.at = d.at;
+    d.load.value = default_load(d.motor.value);
+    const YAML::Node* node = map.find("load");
+    if (node == nullptr) return;
+    const YamlMap l(*node, "load of " + d.name, &keys("drives[].load"), problems_);
+    if (!l) return;
+    d.load.at = l.at();
+    auto& out = d.load.value;
+    if (const auto inertia = l.number("inertia_kg_m2", {0, 1e6})) out.inertia_kg_m2 = *inertia;
+    if (const YAML::Node* friction = l.find("friction")) {
+      const YamlMap f(*friction, "friction of " + d.name, &keys("drives[].load.friction"), problems_);
+      if (f) {
+        d.friction.viscous_nm_s = f.number("viscous_Nm_s", {0, 1e6});
+        d.friction.coulomb_nm = f.number("coulomb_Nm", {0, 1e6});
+      }
+    }
+    if (const YAML::Node* torque = l.find("torque")) torque_terms(*torque, d);
+    if (const auto fine = plant::validate(out); !fine && !any_bad(l))
+      problems_.add(l.at(), "load of " + d.name + " is refused: " + fine.error());
+  }
+
+  void torque_terms(const YAML::Node& node, DriveSpec& d) {
+    const YamlMap t(node, "torque of " + d.name, &keys("drives[].load.torque"), problems_);
+    if (!t) return;
+    auto& out = d.load.value;
+    const double inertia = out.inertia_kg_m2;
+    out = {};
+    out.inertia_kg_m2 = inertia;
+    const double rated_rad_s = d.motor.value.rated_speed_rpm * std::numbers::pi / 30;
+    if (const auto v = t.number("constant_Nm", kTorqueFromZero)) out.constant_nm = *v;
+    if (const auto v = t.number("linear_Nm_at_rated", kTorqueFromZero); v && rated_rad_s > 0)
+      out.linear_nm_s = *v / rated_rad_s;
+    if (const auto v = t.number("quadratic_Nm_at_rated", kTorqueFromZero); v && rated_rad_s > 0)
+      out.quadratic_nm_s2 = *v / (rated_rad_s * rated_rad_s);
+    if (const auto v = t.number("hoist_Nm", kTorque)) out.hoist_nm = *v;
+    if (const YAML::Node* table = t.find("table")) torque_table(*table, d);
+  }
+
+  void torque_table(const YAML::Node& node, DriveSpec& d) {
+    constexpr std::size_t kMaxPoints = 10000;
+    if (!node.IsSequence() || node.size() == 0 || node.size() > kMaxPoints) {
+      problems_.add(node, "table in torque of " + d.name + " is " +
+                              (node.IsSequence() ? "empty or too long" : kind_of(node)) + "; allowed: a list of 1 to " +
+                              std::to_string(kMaxPoints) + " points as {time_s: 1.5, torque_Nm: 4}.");
+      return;
+    }
+    for (const auto& item : node) {
+      const YamlMap p(item, "a point in table of " + d.name, &keys("drives[].load.torque.table[]"), problems_);
+      if (!p) continue;
+      const auto time_s = p.number("time_s", {0, 1e9});
+      const auto torque_nm = p.number("torque_Nm", kTorque);
+      if (!p.has("time_s") || !p.has("torque_Nm")) {
+        problems_.add(p.at(), "a point in table of " + d.name + " needs both time_s and torque_Nm.");
+        continue;
+      }
+      if (!time_s || !torque_nm) continue;
+      if (!d.load.value.table.empty() && *time_s <= d.load.value.table.back().time_s) {
+        problems_.add(*p.find("time_s"), "time_s in table of " + d.name + " is " + p.find("time_s")->Scalar() +
+                                             "; allowed: more than that of the point before.");
+        continue;
+      }
+      d.load.value.table.push_back({*time_s, *torque_nm});
+    }
+  }
+
+  void surroundings(const YamlMap& map, DriveSpec& d) {
+    if (const YAML::Node* node = map.find("mains")) {
+      const YamlMap m(*node, "mains of " + d.name, &keys("drives[].mains"), problems_);
+      if (m) {
+        d.mains_v_rms = m.number("voltage_V", {0, 1000});
+        d.source_resistance_ohm = m.number("source_resistance_ohm", {0, 100, true});
+      }
+    }
+    if (const YAML::Node* node = map.find("losses")) {
+      const YamlMap l(*node, "losses of " + d.name, &keys("drives[].losses"), problems_);
+      if (l) {
+        d.losses.iron_loss_w_at_rated = l.number("iron_W_at_rated", {0, 1e6});
+        d.losses.inverter_loss_fraction = l.number("inverter_fraction", {0, 0.5});
+        d.losses.standby_w = l.number("standby_W", {0, 1e4});
+      }
+    }
+    if (const auto v = map.number("brake_resistor_ohm", {0, 1e6})) d.brake_resistor_ohm = *v;
+    if (const auto v = map.number("ambient_C", {-40, 100})) d.ambient_c = *v;
+    if (const auto v = map.on_off("power")) d.power = *v;
+    if (const auto v = map.word("solver", {"erk", "cvode_bdf", "rk4"}))
+      d.solver = *v == "erk"         ? plant::SolverChoice::kErk
+                 : *v == "cvode_bdf" ? plant::SolverChoice::kCvodeBdf
+                                     : plant::SolverChoice::kRk4;
+  }
+
+  // --- boards ---
+
+  void board(const YamlMap& map, DriveSpec& d) {
+    BoardSpec b;
+    b.type.at = d.at;
+    b.node.at = d.at;
+    for (const std::string_view type : catalogue_.board_types()) {
+      const auto fits = catalogue_.board_families(type);
+      if (std::find(fits.begin(), fits.end(), d.family) != fits.end() && b.type.value.empty()) b.type.value = type;
+    }
+    std::string rtu = "pty";
+    std::string tcp{kDefaultTcp};
+    const YAML::Node* rtu_node = nullptr;
+    const YAML::Node* tcp_node = nullptr;
+    std::optional<YamlMap> m;
+    if (const YAML::Node* node = map.find("board")) {
+      if (node->IsScalar() && node->Scalar() == "none") return;
+      m.emplace(*node, "board of " + d.name, &keys("drives[].board"), problems_);
+      if (!*m) return;
+      b.type.at = m->at();
+      b.node.at = m->at();
+      if (m->has("type")) {
+        const auto type = m->word("type", catalogue_.board_types());
+        if (!type) return;
+        b.type = {*type, position_of(*m->find("type"))};
+        const auto fits = catalogue_.board_families(*type);
+        if (std::find(fits.begin(), fits.end(), d.family) == fits.end())
+          problems_.add(b.type.at,
+                        "board " + *type + " does not fit family " + d.family + "; it fits " + join(fits) + ".");
+      }
+      if (const auto v = m->integer("node", 1, 247)) {
+        b.node = {static_cast<unsigned>(*v), position_of(*m->find("node"))};
+      }
+      if (const auto v = m->text("modbus_rtu")) rtu = *v, rtu_node = m->find("modbus_rtu");
+      if (const auto v = m->text("modbus_tcp")) tcp = *v, tcp_node = m->find("modbus_tcp");
+    }
+    if (b.type.value.empty()) return;
+    b.serial = serial_line(rtu, rtu_node, d);
+    b.tcp = tcp_endpoint(tcp, tcp_node, d);
+    d.board = b;
+  }
+
+  std::optional<std::size_t> serial_line(const std::string& text, const YAML::Node* node, const DriveSpec& d) {
+    if (text == "none") return {};
+    const Position at = node == nullptr ? d.at : position_of(*node);
+    if (text == "pty") {
+      file_.serial.push_back({d.name, "pty", at});
+      return file_.serial.size() - 1;
+    }
+    if (text.starts_with("/dev/")) {
+      for (std::size_t i = 0; i < file_.serial.size(); ++i)
+        if (file_.serial[i].device == text) return i;
+      file_.serial.push_back({d.name, text, at});
+      return file_.serial.size() - 1;
+    }
+    const NamedNetwork* named = network(text);
+    if (named != nullptr && named->serial) return named->index;
+    auto allowed = network_names(true);
+    allowed.insert(allowed.end(), {"pty", "none"});
+    problems_.add(at, "modbus_rtu of " + d.name + " is \"" + text + "\"" +
+                          (named != nullptr ? ", which is no serial network" : "") +
+                          "; allowed: a device as /dev/ttyUSB0, " + join(allowed) + "." + suggestion(text, allowed));
+    return {};
+  }
+
+  std::optional<std::size_t> tcp_endpoint(const std::string& text, const YAML::Node* node, const DriveSpec& d) {
+    if (text == "none") return {};
+    if (const NamedNetwork* named = network(text)) {
+      if (!named->serial) return named->index;
+      problems_.add(*node, "modbus_tcp of " + d.name + " is \"" + text + "\", which is a serial network; allowed: " +
+                               "address:port, none, or a modbus_tcp network.");
+      return {};
+    }
+    auto tcp = parse_host_port(text);
+    if (!tcp) {
+      auto allowed = network_names(false);
+      allowed.push_back("none");
+      problems_.add(*node, "modbus_tcp of " + d.name + " is \"" + text +
+                               "\"; allowed: address:port (127.0.0.1:1502; port 0 to 65535, 0 picks a free one), " +
+                               join(allowed) + "." + suggestion(text, allowed));
+      return {};
+    }
+    tcp->at = node == nullptr ? d.at : position_of(*node);
+    // One address is one port for all who name it; port 0 written out is a port of the drive's own.
+    if (tcp->port != 0) {
+      for (std::size_t i = 0; i < file_.tcp.size(); ++i)
+        if (file_.tcp[i].host == tcp->host && file_.tcp[i].port == tcp->port) return i;
+    }
+    file_.tcp.push_back(*tcp);
+    return file_.tcp.size() - 1;
+  }
+
+  // Boards without a node get the lowest free ones in order; two boards of one wire may not share a node.
+  void nodes() {
+    std::set<unsigned> used;
+    for (const DriveSpec& d : file_.drives)
+      if (d.board && d.board->node.value != 0) used.insert(d.board->node.value);
+    unsigned next = 1;
+    for (DriveSpec& d : file_.drives) {
+      if (!d.board || d.board->node.value != 0) continue;
+      while (used.count(next) > 0) ++next;
+      d.board->node.value = next;
+      used.insert(next);
+    }
+    for (std::size_t i = 0; i < file_.drives.size(); ++i) {
+      const auto& b = file_.drives[i].board;
+      if (!b) continue;
+      for (std::size_t j = 0; j < i; ++j) {
+        const auto& o = file_.drives[j].board;
+        if (!o || o->node.value != b->node.value) continue;
+        const bool line = b->serial && b->serial == o->serial;
+        const bool port = b->tcp && b->tcp == o->tcp;
+        if (!line && !port) continue;
+        problems_.add(b->node.at, "node " + std::to_string(b->node.value) + " of " + file_.drives[i].name +
+                                      " is taken by " + file_.drives[j].name + " on the same " +
+                                      (line ? "serial line" : "Modbus/TCP port") +
+                                      "; allowed: another node, or a wire of its own.");
+      }
+    }
+  }
+
+  // --- inputs and parameters ---
+
+  void inputs(const YamlMap& map, DriveSpec& d) {
+    if (const YAML::Node* node = map.find("terminals")) {
+      const YamlMap t(*node, "terminals of " + d.name, nullptr, problems_);
+      for (const auto& e : t.entries())
+        if (!e.empty)
+          if (const auto on = read_switch(e.value, "terminal " + e.key + " of " + d.name, problems_))
+            d.terminals.push_back({{e.key, e.at}, *on});
+    }
+    if (const YAML::Node* node = map.find("analog")) {
+      const YamlMap a(*node, "analog of " + d.name, nullptr, problems_);
+      for (const auto& e : a.entries())
+        if (!e.empty)
+          if (const auto value =
+                  read_number(e.value, "analog terminal " + e.key + " of " + d.name, {-30, 30}, problems_))
+            d.analog.push_back({{e.key.substr(e.key.starts_with("terminal_") ? 9 : 0), e.at}, *value});
+    }
+  }
+
+  void parameters(const YamlMap& map, DriveSpec& d) {
+    const YAML::Node* node = map.find("parameters");
+    if (node == nullptr) return;
+    const YamlMap p(*node, "parameters of " + d.name, nullptr, problems_);
+    for (const auto& e : p.entries()) {
+      if (e.empty) continue;
+      const auto value = read_number(e.value, e.key + " of " + d.name, {-1e9, 1e9}, problems_);
+      if (value) d.parameters.push_back({{e.key, e.at}, {*value, position_of(e.value)}});
+    }
+  }
+
+  const Catalogue& catalogue_;
+  PlantFile file_;
+  Problems problems_;
+  std::vector<NamedNetwork> named_;
+};
+
+}  // namespace
+
+PlantFileError::PlantFileError(const std::string& file, std::vector<Problem> problems)
+    : std::runtime_error(what_of(file, problems)), problems_(std::move(problems)) {}
+
+bool is_plant_word(std::string_view word) {
+  if (word.empty() || word.size() > 64 || std::isalpha(static_cast<unsigned char>(word.front())) == 0) return false;
+  return std::all_of(word.begin(), word.end(),
+                     [](unsigned char c) { return c < 128 && (std::isalnum(c) || c == '_' || c == '-'); });
+}
+
+const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
+  static const std::map<std::string, Keys> all{
+      {"", {"name", "networks", "drives"}},
+      {"networks.*", {"serial", "modbus_tcp"}},
+      {"drives[]",
+       {"name", "inverter", "motor", "load", "mains", "losses", "brake_resistor_ohm", "ambient_C", "solver", "power",
+        "board", "terminals", "analog", "parameters"}},
+      {"drives[].inverter", {"family", "model"}},
+      {"drives[].motor",
+       {"preset", "R_s_ohm", "R_r_ohm", "L_ls_H", "L_lr_H", "L_m_H", "pole_pairs", "inertia_kg_m2", "rated_power_W",
+        "rated_voltage_V", "rated_frequency_Hz", "rated_current_A", "rated_speed_rpm"}},
+      {"drives[].load", {"inertia_kg_m2", "torque", "friction"}},
+      {"drives[].load.torque", {"constant_Nm", "linear_Nm_at_rated", "quadratic_Nm_at_rated", "hoist_Nm", "table"}},
+      {"drives[].load.torque.table[]", {"time_s", "torque_Nm"}},
+      {"drives[].load.friction", {"viscous_Nm_s", "coulomb_Nm"}},
+      {"drives[].mains", {"voltage_V", "source_resistance_ohm"}},
+      {"drives[].losses", {"iron_W_at_rated", "inverter_fraction", "standby_W"}},
+      {"drives[].board", {"type", "node", "modbus_rtu", "modbus_tcp"}},
+  };
+  return all;
+}
+
+PlantFile parse_plant_file(std::string_view text, const std::string& path, const Catalogue& catalogue) {
+  return Loader(path, catalogue).load(text);
+}
+
+PlantFile load_plant_file(const std::string& path, const Catalogue& catalogue) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw PlantFileError(path, {{{}, std::string("cannot be read: ") + std::strerror(errno) + "."}});
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in || in.bad()) throw PlantFileError(path, {{{}, "cannot be read: it is no ordinary file."}});
+  return parse_plant_file(text.str(), path, catalogue);
+}
+
+}  // namespace vinv::rig

@@ -1,0 +1,16 @@
+#include "sim/rig/catalogue.hpp"
+
+namespace vinv::rig {
+
+Catalogue shipped_catalogue() {
+  Catalogue c;
+  c.make_inverter = inverter::make_inverter;
+  c.families = inverter::families;
+  c.models = inverter::models;
+  c.make_board = boards::make_board;
+  c.board_types = boards::board_types;
+  c.board_families = boards::board_families;
+  return c;
+}
+
+}  // namespace vinv::rig

@@ -1,0 +1,100 @@
+#include "sim/transports/system_check.hpp"
+
+#include <linux/can.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "sim/transports/io_error.hpp"
+#include "sim/transports/serial_pty.hpp"
+#include "sim/transports/tcp_listener.hpp"
+#include "sim/transports/unique_fd.hpp"
+
+namespace vinv::transports {
+namespace {
+
+constexpr int kArphrdCan = 280;  // linux/if_arp.h
+
+std::string can_interfaces() {
+  std::string names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/sys/class/net", ignored)) {
+    int type = 0;
+    if (std::ifstream(entry.path() / "type") >> type && type == kArphrdCan) {
+      names += (names.empty() ? "" : ", ") + entry.path().filename().string();
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+kernel::LatenessHistogram measure_timer_lateness(Duration span) {
+  EventLoop loop;
+  loop.scheduler().schedule_every(instant_from_ns(1'000'000), std::chrono::milliseconds(1), kernel::Priority::kDrive,
+                                  [&](Instant now) {
+                                    if (now.time_since_epoch() >= span) loop.stop();
+                                  });
+  loop.run();
+  return loop.lateness();
+}
+
+Finding has_kernel_can() {
+  const UniqueFd fd(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW));
+  if (!fd.is_open()) {
+    if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
+      return {false, "This kernel has no CAN sockets; try modprobe can can_raw vcan."};
+    }
+    return {false, "CAN sockets cannot be used: " + describe_errno(errno) + "."};
+  }
+  const std::string names = can_interfaces();
+  if (names.empty()) {
+    return {true, "CAN sockets work, but there is no CAN interface; make one with ip link add dev vcan0 type vcan."};
+  }
+  return {true, "CAN sockets work; interfaces: " + names + "."};
+}
+
+Finding can_bind(const std::string& host, std::uint16_t port) {
+  EventLoop loop;
+  TcpListenerOptions options;
+  options.host = host;
+  options.port = port;
+  const auto listener = TcpListener::open(loop, options, [](Instant, std::unique_ptr<ByteStream>) {});
+  const std::string where = host + " port " + std::to_string(port);
+  if (!listener) return {false, "TCP on " + where + ": " + listener.error() + "."};
+  return {true, "TCP on " + where + " is free to listen on."};
+}
+
+Finding can_schedule_realtime() {
+  const int policy = ::sched_getscheduler(0);
+  sched_param before{};
+  if (policy < 0 || ::sched_getparam(0, &before) != 0) {
+    return {false, "Real-time scheduling cannot be asked for: " + describe_errno(errno) + "."};
+  }
+  sched_param lowest{};
+  lowest.sched_priority = ::sched_get_priority_min(SCHED_FIFO);
+  if (::sched_setscheduler(0, SCHED_FIFO, &lowest) == 0) {
+    ::sched_setscheduler(0, policy, &before);
+    return {true, "Real-time scheduling (SCHED_FIFO) is permitted."};
+  }
+  const int error = errno;
+  rlimit limit{};
+  ::getrlimit(RLIMIT_RTPRIO, &limit);
+  return {false, "Real-time scheduling (SCHED_FIFO) is " + describe_errno(error) + "; RLIMIT_RTPRIO is " +
+                     std::to_string(limit.rlim_cur) +
+                     ". Raise rtprio in /etc/security/limits.conf or grant CAP_SYS_NICE if ticks are too late."};
+}
+
+Finding can_open_pty() {
+  EventLoop loop;
+  const auto line = SerialPty::open(loop, {});
+  if (!line) return {false, "Serial lines cannot be pseudo-terminals here: " + line.error() + "."};
+  return {true, "Pseudo-terminals work (" + (*line)->name() + " was free)."};
+}
+
+}  // namespace vinv::transports

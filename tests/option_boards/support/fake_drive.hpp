@@ -1,0 +1,135 @@
+// An inverter as a board sees it, with tables of its own: parameters, monitors, modes and a mailbox that decides after
+// a number of ticks. It follows the rules of port::DrivePort and nothing else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "motor_model/port/drive_port.hpp"
+
+namespace vinv::test {
+
+class FakeDrive final : public port::DrivePort {
+ public:
+  using Kind = port::WriteRequest::Kind;
+  struct Parameter {
+    std::uint32_t value = 0, min = 0, max = 0xffff;
+    bool read_only = false;
+    bool writable_while_running = false;
+  };
+
+  // What tests set.
+  std::map<std::uint16_t, Parameter> parameters{{0, {60, 0, 300}},         {1, {12000, 0, 12000}}, {7, {50, 0, 36000}},
+                                                {144, {4, 0, 110}},        {345, {25, 0, 255}},    {347, {4, 0, 255}},
+                                                {342, {0, 0, 1, true}},    {4, {5000, 0, 40000, false, true}}};
+  std::map<unsigned, std::uint16_t> monitors{{1, 0}, {2, 0}, {3, 0}};
+  port::AlarmHistory history{};
+  port::Status status_now{};
+  port::OperationMode mode = port::OperationMode::kExternal;
+  bool is_ready = true;
+  bool parameters_readable = true;
+  bool write_disabled = false;                   // Pr.77 = 1
+  std::uint32_t max_frequency = 40000;           // 0.01 Hz
+  unsigned ticks_to_decide = 1;
+  unsigned dead_ticks_after_reset = 100;
+  std::optional<port::Refusal> refuse_decision;  // instead of the decision
+  std::optional<port::Refusal> refuse_post;
+
+  // What tests look at.
+  std::vector<port::WriteRequest> posted;
+  std::vector<port::WriteRequest> executed;
+
+  // A control tick of 1 ms.
+  void tick() {
+    if (dead_ticks_ > 0 && --dead_ticks_ == 0) is_ready = true;
+    if (!request_ || outcome_ || ++waited_ < ticks_to_decide) return;
+    outcome_ = refuse_decision ? port::WriteOutcome(Unexpected(*refuse_decision)) : decide(*request_);
+    if (*outcome_) executed.push_back(*request_);
+  }
+  // The supply went or the inverter restarted: the mailbox is empty.
+  void lose_mailbox() {
+    request_.reset();
+    outcome_.reset();
+  }
+
+  bool ready() const override { return is_ready; }
+  port::OperationMode operation_mode() const override { return mode; }
+  port::Status status() const override { return status_now; }
+  Result<std::uint16_t, port::Refusal> read_monitor(unsigned number) const override {
+    const auto found = monitors.find(number);
+    if (found == monitors.end()) return Unexpected(port::Refusal::kNoSuchItem);
+    return found->second;
+  }
+  Result<std::uint32_t, port::Refusal> read_parameter(port::ParameterId id) const override {
+    if (!parameters_readable) return Unexpected(port::Refusal::kNotReady);
+    const auto found = parameters.find(id.number);
+    if (found == parameters.end() || id.sub != 0) return Unexpected(port::Refusal::kNoSuchItem);
+    return found->second.value;
+  }
+  port::AlarmHistory alarm_history() const override { return history; }
+  std::uint8_t active_alarm() const override { return status_now.alarm ? history[0] : std::uint8_t{0}; }
+
+  port::WriteOutcome post_write(Instant, const port::WriteRequest& request) override {
+    if (refuse_post) return Unexpected(*refuse_post);
+    if (request_) return Unexpected(port::Refusal::kBusy);
+    if (!is_ready) return Unexpected(port::Refusal::kNotReady);
+    posted.push_back(request);
+    request_ = request;
+    waited_ = 0;
+    return {};
+  }
+  bool write_pending() const override { return request_.has_value(); }
+  std::optional<port::WriteOutcome> take_outcome() override {
+    if (!outcome_) return std::nullopt;
+    const std::optional<port::WriteOutcome> taken = outcome_;
+    lose_mailbox();
+    return taken;
+  }
+  void set_communication_lost(bool) override {}
+  void set_option_failed(bool) override {}
+
+ private:
+  port::WriteOutcome decide(const port::WriteRequest& request) {
+    using port::Refusal;
+    if (request.kind == Kind::kOperationMode) {
+      if (status_now.running) return Unexpected(Refusal::kModeChangeRefused);
+      mode = request.value == 1 ? port::OperationMode::kNetwork : port::OperationMode::kExternal;
+      return {};
+    }
+    if (mode != port::OperationMode::kNetwork) return Unexpected(Refusal::kWrongMode);
+    switch (request.kind) {
+      case Kind::kFrequency:
+        if (request.value > max_frequency) return Unexpected(Refusal::kOutOfRange);
+        return {};
+      case Kind::kParameter: return write_parameter(request);
+      case Kind::kClearAlarmHistory: history = {}; return {};
+      case Kind::kResetInverter:
+        is_ready = false;
+        dead_ticks_ = dead_ticks_after_reset;
+        return {};
+      default: return {};
+    }
+  }
+  port::WriteOutcome write_parameter(const port::WriteRequest& request) {
+    using port::Refusal;
+    const auto found = parameters.find(request.parameter.number);
+    if (found == parameters.end() || request.parameter.sub != 0) return Unexpected(Refusal::kNoSuchItem);
+    Parameter& parameter = found->second;
+    if (parameter.read_only) return Unexpected(Refusal::kReadOnly);
+    if (write_disabled) return Unexpected(Refusal::kWriteDisabled);
+    if (status_now.running && !parameter.writable_while_running) return Unexpected(Refusal::kRunning);
+    if (request.value < parameter.min || request.value > parameter.max) return Unexpected(Refusal::kOutOfRange);
+    parameter.value = request.value;
+    return {};
+  }
+
+  std::optional<port::WriteRequest> request_;
+  std::optional<port::WriteOutcome> outcome_;
+  unsigned waited_ = 0;
+  unsigned dead_ticks_ = 0;
+};
+
+}  // namespace vinv::test

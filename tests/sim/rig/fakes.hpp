@@ -1,0 +1,256 @@
+// Small stand-ins for inverter, board and wire, so that the rig is tested for what it does itself.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "motor_model/plant/power_plant.hpp"
+#include "sim/rig/catalogue.hpp"
+#include "sim/transports/byte_stream.hpp"
+
+namespace vinv::rig::test {
+
+// What happened, in order, for the whole plant.
+using Journal = std::vector<std::string>;
+
+class FakePort : public port::DrivePort {
+ public:
+  bool ready() const override { return true; }
+  port::OperationMode operation_mode() const override { return mode; }
+  port::Status status() const override { return {}; }
+  Result<std::uint16_t, port::Refusal> read_monitor(unsigned) const override { return std::uint16_t{0}; }
+  Result<std::uint32_t, port::Refusal> read_parameter(port::ParameterId) const override { return 0u; }
+  port::AlarmHistory alarm_history() const override { return {0xA3, 0x10}; }
+  std::uint8_t active_alarm() const override { return 0; }
+  port::WriteOutcome post_write(Instant, const port::WriteRequest&) override { return {}; }
+  bool write_pending() const override { return false; }
+  std::optional<port::WriteOutcome> take_outcome() override { return {}; }
+  void set_communication_lost(bool) override {}
+  void set_option_failed(bool) override {}
+
+  port::OperationMode mode = port::OperationMode::kExternal;
+};
+
+class FakeInverter : public inverter::Inverter {
+ public:
+  FakeInverter(const inverter::InverterConfig& config, Journal& journal)
+      : config_(config), journal_(journal), plant_(plant_config(config)) {}
+
+  void tick(Instant now) override { journal_.push_back(config_.model + " tick " + std::to_string(to_ns(now) / 1000000)); }
+  port::DrivePort& port() override { return port_; }
+  std::string_view family() const override { return "fr-e500"; }
+  std::string_view model() const override { return config_.model; }
+  inverter::Outcome press_key(inverter::PanelKey key) override {
+    journal_.push_back("key " + std::to_string(static_cast<int>(key)));
+    if (key == inverter::PanelKey::kPuExt)
+      port_.mode = port_.mode == port::OperationMode::kPu ? port::OperationMode::kExternal : port::OperationMode::kPu;
+    return {};
+  }
+  inverter::Outcome set_panel_frequency(double hz) override {
+    if (hz > 120) return Unexpected(std::string("the set frequency is above Pr.1; allowed: 0 to 120 Hz."));
+    panel_hz = hz;
+    return {};
+  }
+  std::string display() const override { return "0.00"; }
+  inverter::Outcome set_terminal(std::string_view terminal, bool on) override {
+    const auto it = terminals_.find(std::string(terminal));
+    if (it == terminals_.end()) return Unexpected("there is no terminal " + std::string(terminal) + ".");
+    it->second = on;
+    return {};
+  }
+  inverter::Outcome set_analog(std::string_view terminal, double value) override {
+    if (terminal != "2" && terminal != "4") return Unexpected("there is no analog terminal " + std::string(terminal) + ".");
+    analog[std::string(terminal)] = value;
+    return {};
+  }
+  std::vector<std::pair<std::string_view, bool>> terminals() const override {
+    return {terminals_.begin(), terminals_.end()};
+  }
+  std::vector<std::string_view> analog_terminals() const override { return {"2", "4"}; }
+  inverter::Outcome set_parameter(std::string_view name, double value) override {
+    if (parameters_.find(name) == parameters_.end()) return Unexpected("there is no parameter " + std::string(name) + ".");
+    if (value > 3600) return Unexpected(std::string(name) + " allows 0 to 3600.");
+    parameters_.find(name)->second = value;
+    changed_ = true;
+    return {};
+  }
+  Result<double, std::string> get_parameter(std::string_view name) const override {
+    const auto it = parameters_.find(name);
+    if (it == parameters_.end()) return Unexpected("there is no parameter " + std::string(name) + ".");
+    return it->second;
+  }
+  inverter::Outcome preset_parameter(std::string_view name, double value) override { return set_parameter(name, value); }
+  std::vector<inverter::ParameterInfo> parameters() const override {
+    inverter::ParameterInfo p;
+    p.id = {7, 0};
+    p.name = "Acceleration time";
+    p.unit = "s";
+    p.factory_default = 5;
+    return {p};
+  }
+  void set_power(bool on) override {
+    powered_ = on;
+    journal_.push_back(config_.model + (on ? " power on" : " power off"));
+  }
+  bool powered() const override { return powered_; }
+  void set_mains(const plant::MainsState& mains) override { plant_.set_mains(mains), mains_now = mains; }
+  void set_load(const plant::LoadSettings& load) override { plant_.set_load(load), load_now = load; }
+  void set_shaft_locked(bool locked) override { shaft_locked = locked; }
+  void set_ambient(double celsius) override { ambient_c = celsius; }
+  const plant::PowerPlant& plant() const override { return plant_; }
+  inverter::Outcome inject_fault(std::string_view fault, bool on) override {
+    faults[std::string(fault)] = on;
+    return {};
+  }
+  std::vector<std::string_view> injectable_faults() const override { return {"E.PE", "earth_fault"}; }
+  std::vector<inverter::SignalValue> signals() const override { return {{"output_frequency", 12.5, "Hz"}}; }
+  std::string alarm_name() const override { return ""; }
+  std::string alarm_cause() const override { return ""; }
+  std::string eeprom_text() const override { return "Pr.7: " + std::to_string(parameters_.at("Pr.7")) + "\n"; }
+  bool take_eeprom_changed() override { return std::exchange(changed_, false); }
+  inverter::Outcome load_eeprom(std::string_view text) override {
+    if (!text.starts_with("Pr.7: ")) return Unexpected(std::string("line 1: no parameter."));
+    parameters_["Pr.7"] = std::stod(std::string(text.substr(6)));
+    return {};
+  }
+
+  double panel_hz = 0;
+  double ambient_c = 25;
+  bool shaft_locked = false;
+  std::map<std::string, double> analog;
+  std::map<std::string, bool> faults;
+  plant::MainsState mains_now;
+  plant::LoadSettings load_now;
+  FakePort port_;
+
+ private:
+  static plant::PlantConfig plant_config(const inverter::InverterConfig& config) {
+    plant::PlantConfig p;
+    p.machine = config.motor;
+    p.load = config.load;
+    if (config.mains) p.mains = *config.mains;
+    return p;
+  }
+  inverter::InverterConfig config_;
+  Journal& journal_;
+  plant::PowerPlant plant_;
+  bool powered_ = false;
+  bool changed_ = false;
+  std::map<std::string, bool> terminals_{{"RES", false}, {"RH", false}, {"STF", false}, {"STR", false}};
+  std::map<std::string, double, std::less<>> parameters_{{"Pr.7", 5}, {"Pr.345", 63}, {"Pr.347", 4}};
+};
+
+// Answers each byte that it gets with the byte after it, 2 ms later; needs power.
+class FakeBoard : public boards::OptionBoard, public boards::SerialChannel, public modbus::Unit {
+ public:
+  FakeBoard(unsigned node, Journal& journal) : node_(node), journal_(journal) {}
+  std::string_view type() const override { return "oi-fr-e5nco"; }
+  void handle_power(Instant, bool on) override {
+    powered_ = on;
+    journal_.push_back("board " + std::to_string(node_) + (on ? " power on" : " power off"));
+  }
+  void handle_drive_tick(Instant) override { ++drive_ticks; }
+  void handle_timeout(Instant now) override {
+    if (answer_at_ && now >= *answer_at_) {
+      frames_.push_back(answer_);
+      answer_at_.reset();
+      answer_.clear();
+    }
+  }
+  std::optional<Instant> next_deadline() const override { return answer_at_; }
+  Result<void, std::string> set_switch(std::string_view name, unsigned value) override {
+    if (name != "SW1") return Unexpected("there is no switch " + std::string(name) + "; allowed: SW1.");
+    sw1 = value;
+    return {};
+  }
+  modbus::Unit* modbus_unit() override { return this; }
+  boards::SerialChannel* serial_channel() override { return this; }
+
+  boards::LineSettings line_settings() const override { return line; }
+  void handle_bytes(Instant now, ByteView bytes, bool line_error) override {
+    if (!powered_ || line_error) return;
+    for (const std::uint8_t b : bytes) answer_.push_back(static_cast<std::uint8_t>(b + 1));
+    answer_at_ = now + std::chrono::milliseconds(2);
+  }
+  std::optional<Bytes> poll_transmit(Instant) override {
+    if (frames_.empty()) return {};
+    Bytes out = frames_.front();
+    frames_.erase(frames_.begin());
+    return out;
+  }
+
+  // As a Modbus unit: echoes the request after the next tick of the drive.
+  std::uint8_t address() const override { return powered_ ? static_cast<std::uint8_t>(node_) : 0; }
+  void handle_request(Instant, modbus::ClientId client, modbus::Addressing, ByteView pdu) override {
+    requests_[client] = {Bytes(pdu.begin(), pdu.end()), drive_ticks};
+  }
+  std::optional<Bytes> poll_answer(Instant, modbus::ClientId client) override {
+    const auto it = requests_.find(client);
+    if (it == requests_.end() || it->second.second == drive_ticks) return {};
+    Bytes out = std::move(it->second.first);
+    requests_.erase(it);
+    return out;
+  }
+  void forget(modbus::ClientId client) override { requests_.erase(client); }
+
+  boards::LineSettings line;
+  unsigned sw1 = 0;
+  int drive_ticks = 0;
+
+ private:
+  unsigned node_;
+  Journal& journal_;
+  bool powered_ = false;
+  Bytes answer_;
+  std::optional<Instant> answer_at_;
+  std::vector<Bytes> frames_;
+  std::map<modbus::ClientId, std::pair<Bytes, int>> requests_;
+};
+
+inline Catalogue fake_catalogue(Journal& journal) {
+  Catalogue c;
+  c.families = [] { return std::vector<std::string_view>{"fr-e500"}; };
+  c.models = [](std::string_view) {
+    return std::vector<std::string_view>{"FR-E540-0.4K", "FR-E540-0.75K", "FR-E540-1.5K", "FR-E540-2.2K", "FR-E520-0.2K"};
+  };
+  c.board_types = [] { return std::vector<std::string_view>{"oi-fr-e5nco"}; };
+  c.board_families = [](std::string_view) { return std::vector<std::string_view>{"fr-e500"}; };
+  c.make_inverter = [&journal](std::string_view, const inverter::InverterConfig& config)
+      -> Result<std::unique_ptr<inverter::Inverter>, std::string> {
+    return std::unique_ptr<inverter::Inverter>(std::make_unique<FakeInverter>(config, journal));
+  };
+  c.make_board = [&journal](const boards::BoardConfig& config, port::DrivePort&)
+      -> Result<std::unique_ptr<boards::OptionBoard>, std::string> {
+    if (config.node > 99) return Unexpected("node " + std::to_string(config.node) + "; allowed: 1 to 99.");
+    return std::unique_ptr<boards::OptionBoard>(std::make_unique<FakeBoard>(config.node, journal));
+  };
+  return c;
+}
+
+// A wire whose other end is the test.
+class FakeStream : public transports::ByteStream {
+ public:
+  struct Far {
+    OnBytes on_bytes;
+    OnClosed on_closed;
+    std::vector<std::pair<Instant, Bytes>> sent;
+    bool closed = false;
+  };
+  explicit FakeStream(std::shared_ptr<Far> far) : far_(std::move(far)) {}
+  void set_handlers(OnBytes on_bytes, OnClosed on_closed) override {
+    far_->on_bytes = std::move(on_bytes);
+    far_->on_closed = std::move(on_closed);
+  }
+  void send(Instant now, ByteView bytes) override { far_->sent.push_back({now, Bytes(bytes.begin(), bytes.end())}); }
+  void close() override { far_->closed = true; }
+  std::string name() const override { return "test"; }
+
+ private:
+  std::shared_ptr<Far> far_;
+};
+
+}  // namespace vinv::rig::test
