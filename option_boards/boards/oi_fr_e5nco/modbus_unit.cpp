@@ -186,6 +186,11 @@ std::optional<Bytes> ModbusUnit::poll_answer(Instant /*now*/, modbus::ClientId c
   return pdu;
 }
 
+bool ModbusUnit::has_request(modbus::ClientId client) const {
+  return (state_.pending && state_.pending->client == client) ||
+         std::any_of(state_.answers.begin(), state_.answers.end(), [&](const Answer& a) { return a.client == client; });
+}
+
 void ModbusUnit::forget(modbus::ClientId client) {
   std::erase_if(state_.answers, [&](const Answer& a) { return a.client == client; });
   if (state_.pending && state_.pending->client == client) state_.pending->client.reset();

@@ -147,6 +147,14 @@ TEST_F(TcpSessionTest, UnitSwitchedOffWithARequestFailedToRespond) {
   EXPECT_EQ(unit.forgotten, std::vector<ClientId>{1});
 }
 
+TEST_F(TcpSessionTest, RequestLostInAShortPowerFailureFailedToRespond) {
+  unit.answer_at_once = false;
+  session.handle_bytes(now, adu(1, 5, "06 00 01 00 01"));
+  EXPECT_TRUE(drain(session).empty());
+  unit.outstanding.clear();  // off and on again before anybody asked
+  EXPECT_EQ(drain(session), Strings{"00 01 00 00 00 03 05 86 0B"});
+}
+
 TEST_F(TcpSessionTest, HeaderThatCannotBeModbusAsksToClose) {
   const std::vector<std::pair<const char*, const char*>> cases{
       {"00 01 00 01 00 06 05", "protocol identifier is not 0 (Modbus)"},
