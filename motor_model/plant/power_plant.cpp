@@ -97,12 +97,16 @@ void PowerPlant::Impl::settle_shaft() {
   }
 }
 
-void PowerPlant::Impl::begin_anew() {
-  const double kept_table = dry_load(model.load, t) - model.load.constant_nm;
+void PowerPlant::Impl::rebase() {
+  const double passed = to_seconds(time - base);
+  model.t_input -= passed;
+  model.load.table_t_ref -= passed;
   base = time;
   t = 0;
-  model.load.table_nm = kept_table;
-  model.load.table_t_ref = 0;
+}
+
+void PowerPlant::Impl::begin_anew() {
+  rebase();
   settle_link(y()[state::kDcLink]);
   refresh_model();
   if (current_too_high()) shut_for_over_current();
@@ -172,10 +176,13 @@ void PowerPlant::Impl::integrate_to(Duration end) {
 PowerPlant::Events PowerPlant::Impl::advance(Duration dt) {
   events.count = 0;
   advance_start = time;
+  if (dt <= Duration::zero()) return events;
+  apply_stage(dt);
   if (anew) begin_anew();
   const Duration end = time + dt;
   while (time < end) {
-    integrate_to(std::min(end, table_end));
+    integrate_to(std::min({end, table_end, way_end}));
+    if (time == way_end) end_stage_way();
     if (time == table_end) {
       const double before = dry_load(model.load, to_seconds(time - base));
       enter_table_segment();
