@@ -7,9 +7,9 @@
 namespace vinv::drive {
 namespace {
 
-constexpr double kBelowTrip = 0.85;     // of the over-current level
+constexpr double kBelowTrip = 0.85;  // of the over-current level
 constexpr double kLookAhead_ticks = 2;
-constexpr double kRecovery_s = 0.05;    // from no voltage to full voltage
+constexpr double kRecovery_s = 0.05;  // from no voltage to full voltage
 
 }  // namespace
 

@@ -47,8 +47,7 @@ void RampGenerator::step(double dt_s, double target_hz, const RampTimes& times) 
     if (motion == Motion::kConstant) planned_ = false;
     return;
   }
-  const double rate =
-      motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
+  const double rate = motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
   if (times.pattern == RampPattern::kSCurveB) {
     step_s_curve_b(dt_s, target, rate);
     return;

@@ -41,7 +41,7 @@ class RampGenerator {
   // S-curve B under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
   double plan_target_hz_ = 0;
   double plan_change_hz_ = 0;
-  double plan_first_change_hz_ = 0;   // before the target moved
+  double plan_first_change_hz_ = 0;  // before the target moved
   double plan_progress_ = 0;
   bool planned_ = false;
 };

@@ -15,14 +15,14 @@ int ms_until(BrakeDuty& duty, bool permits, bool chopper_on, double percent, int
 
 TEST(BrakeDuty, ContinuousBrakingUsesUpTheBudgetOfTheWindow) {
   BrakeDuty duty;
-  EXPECT_NEAR(ms_until(duty, false, true, 3), 3000 / 0.97, 2);   // it refills at 3 % meanwhile
+  EXPECT_NEAR(ms_until(duty, false, true, 3), 3000 / 0.97, 2);  // it refills at 3 % meanwhile
   EXPECT_NEAR(duty.fraction(), 1, 1e-6);
 }
 
 TEST(BrakeDuty, TheBudgetRefillsAtThePermittedDuty) {
   BrakeDuty duty;
   ms_until(duty, false, true, 10);
-  EXPECT_NEAR(ms_until(duty, true, false, 10), 10'000, 2);       // a tenth of the window
+  EXPECT_NEAR(ms_until(duty, true, false, 10), 10'000, 2);  // a tenth of the window
   EXPECT_NEAR(duty.fraction(), 0.9, 1e-3);
 }
 

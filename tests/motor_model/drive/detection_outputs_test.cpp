@@ -10,8 +10,8 @@ TEST(DetectionOutputs, UpToFrequencyIsABandOfTheSetFrequency) {
   DriveSettings s;
   s.up_to_frequency_percent = 10;
   const auto su = [&](double ramp, double set, bool running = true) {
-    d.step(0.001, s, {.running = running, .ramp_frequency_hz = ramp, .output_frequency_hz = ramp,
-                      .set_frequency_hz = set});
+    d.step(0.001, s,
+           {.running = running, .ramp_frequency_hz = ramp, .output_frequency_hz = ramp, .set_frequency_hz = set});
     return d.up_to_frequency();
   };
   EXPECT_FALSE(su(44.9, 50));
@@ -73,6 +73,16 @@ TEST(DetectionOutputs, ZeroCurrentComesAfterItsTime) {
   EXPECT_FALSE(run(500, 0.2));
   EXPECT_TRUE(run(1, 0.2));
   EXPECT_FALSE(run(1, 0.21));
+}
+
+TEST(DetectionOutputs, CurrentDetectionNeedsARunningDrive) {
+  DetectionOutputs d;
+  DriveSettings s;
+  s.rated_current_a_rms = 4;
+  d.step(0.001, s, {.running = false, .current_a_rms = 8});
+  EXPECT_FALSE(d.current_detected());
+  d.step(0.001, s, {.running = true, .current_a_rms = 8});
+  EXPECT_TRUE(d.current_detected());
 }
 
 }  // namespace

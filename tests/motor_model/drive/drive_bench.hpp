@@ -18,7 +18,7 @@ struct DriveBench {
   DriveCore core;
   // Changes the sensors of the next ticks.
   std::function<void(Sensors&)> meddle;
-  std::optional<Trip> tripped;   // the latest
+  std::optional<Trip> tripped;  // the latest
   int ticks = 0;
 
   DriveBench() {

@@ -142,7 +142,7 @@ TEST(DriveCorePower, ALowLinkAtStandstillOnlyPreventsTheStart) {
   b.run_ms(100);
   EXPECT_FALSE(b.out().gates_on);
   EXPECT_FALSE(b.out().power_failure);
-  v = 370;   // above under-voltage, below its clear level
+  v = 370;  // above under-voltage, below its clear level
   b.run_ms(10);
   EXPECT_FALSE(b.out().gates_on);
   v = 500;
@@ -159,6 +159,17 @@ TEST(DriveCorePower, TheComparatorAloneShutsTheOutput) {
   };
   EXPECT_FALSE(b.tick().gates_on);
   EXPECT_EQ(b.out().state, RunState::kPowerFailure);
+}
+
+TEST(DriveCorePower, OutputStopInAShortDipWins) {
+  Bench b;
+  b.mains = false;
+  b.run_ms(5);
+  b.command.output_stop = true;
+  b.tick();
+  b.mains = true;
+  EXPECT_FALSE(b.tick().gates_on);
+  EXPECT_EQ(b.out().state, RunState::kStopped);
 }
 
 }  // namespace

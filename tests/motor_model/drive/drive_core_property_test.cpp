@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "fake_power.hpp"
@@ -76,15 +77,22 @@ double steepest(const DriveSettings& s, double time_s) {
 }
 
 bool all_finite(const DriveOutputs& o) {
-  for (const double x : std::array{o.stage_frequency_hz, o.stage_voltage_peak_v, o.output_frequency_hz,
-                                   o.ramp_frequency_hz, o.motor_thermal_fraction, o.inverter_thermal_fraction,
-                                   o.brake_duty_fraction}) {
+  for (const double x :
+       std::array{o.stage_frequency_hz, o.stage_voltage_peak_v, o.output_frequency_hz, o.ramp_frequency_hz,
+                  o.motor_thermal_fraction, o.inverter_thermal_fraction, o.brake_duty_fraction}) {
     if (!std::isfinite(x)) return false;
   }
   return true;
 }
 
-void run_one(std::uint64_t seed) {
+// How often the runs got where they should get; a run that is always stopped proves nothing.
+struct Visits {
+  std::array<int, 9> ticks{};  // by RunState
+  int overload = 0;
+  int reverse = 0;
+};
+
+void run_one(std::uint64_t seed, Visits& visits) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   Random r(seed);
   const DriveSettings s = random_settings(r);
@@ -119,6 +127,9 @@ void run_one(std::uint64_t seed) {
     const DriveOutputs& o = core.tick(std::chrono::milliseconds(1), s, command, m);
     power.advance(0.001, o, s);
 
+    ++visits.ticks[static_cast<std::size_t>(o.state)];
+    visits.overload += o.overload;
+    visits.reverse += o.output_frequency_hz < 0;
     ASSERT_TRUE(all_finite(o)) << i;
     ASSERT_LE(std::abs(o.output_frequency_hz), s.max_frequency_hz + 1e-9) << i;
     ASSERT_LE(std::abs(o.ramp_frequency_hz), s.max_frequency_hz + 1e-9) << i;
@@ -157,10 +168,14 @@ void run_one(std::uint64_t seed) {
 }
 
 TEST(DriveCoreProperties, HoldForRandomSettingsAndCommands) {
-  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
-    run_one(seed);
+  Visits visits;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    run_one(seed, visits);
     if (testing::Test::HasFatalFailure()) return;
   }
+  for (std::size_t state = 0; state < visits.ticks.size(); ++state) EXPECT_GT(visits.ticks[state], 1000) << state;
+  EXPECT_GT(visits.overload, 1000);
+  EXPECT_GT(visits.reverse, 10'000);
 }
 
 // The same seed gives the same outputs.

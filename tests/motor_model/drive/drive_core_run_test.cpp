@@ -33,10 +33,12 @@ TEST(DriveCoreRun, StopRampEndsAtTheStartFrequency) {
   b.stop();
   EXPECT_EQ(b.tick().state, RunState::kDecelerating);
   double last = 50;
-  const int ms = b.ms_until([&](const DriveOutputs& o) {
-    if (o.gates_on) last = o.output_frequency_hz;
-    return !o.gates_on;
-  }, 3000);
+  const int ms = b.ms_until(
+      [&](const DriveOutputs& o) {
+        if (o.gates_on) last = o.output_frequency_hz;
+        return !o.gates_on;
+      },
+      3000);
   EXPECT_NEAR(ms + 1, 47.0 / 25 * 1000, 1);
   EXPECT_GT(last, 3);
   EXPECT_LT(last, 3.03);
@@ -134,7 +136,7 @@ TEST(DriveCoreRun, OutputStopCoastsAndReleaseStartsFromTheStartFrequency) {
   EXPECT_EQ(b.out().state, RunState::kStopped);
   b.run_ms(200);
   EXPECT_FALSE(b.out().gates_on);
-  EXPECT_GT(b.power.rotor_hz, 40);   // coasts
+  EXPECT_GT(b.power.rotor_hz, 40);  // coasts
   b.command.output_stop = false;
   b.power.rotor_hz = 0;
   EXPECT_TRUE(b.tick().gates_on);
@@ -161,7 +163,7 @@ TEST(DriveCoreRun, DcBrakeActsAtItsFrequencyForItsTime) {
   DriveBench b;
   b.settings.dc_brake_s = 0.5;
   b.settings.dc_brake_frequency_hz = 3;
-  b.settings.dc_brake_voltage_percent = 4;
+  b.settings.dc_brake_voltage_percent = 10;
   b.forward(20);
   b.ms_until_state(RunState::kConstant, 6000);
   b.stop();
@@ -171,7 +173,7 @@ TEST(DriveCoreRun, DcBrakeActsAtItsFrequencyForItsTime) {
   EXPECT_FALSE(o.running);
   EXPECT_EQ(o.stage_frequency_hz, 0);
   EXPECT_EQ(o.output_frequency_hz, 0);
-  EXPECT_NEAR(o.stage_voltage_peak_v, 400 * 0.04 * std::sqrt(2.0 / 3), 1e-9);
+  EXPECT_NEAR(o.stage_voltage_peak_v, 400 * 0.10 * std::sqrt(2.0 / 3), 1e-9);
   EXPECT_EQ(b.ms_until_state(RunState::kStopped, 3000), 500);
   EXPECT_FALSE(o.gates_on);
 }
@@ -249,7 +251,7 @@ TEST(DriveCoreRun, AStartInTheCoastDelayGoesOn) {
   EXPECT_EQ(b.hz(), 20);
   b.stop();
   b.run_ms(300);
-  EXPECT_TRUE(b.out().gates_on);   // the delay began anew
+  EXPECT_TRUE(b.out().gates_on);  // the delay began anew
   EXPECT_FALSE(b.tick().gates_on);
 }
 
@@ -296,10 +298,12 @@ TEST(DriveCoreRun, ShortestAccelerationIsLimitedByTheCurrentOnly) {
   b.settings.shortest_acceleration = true;
   b.forward(50);
   double highest = 0;
-  const int ms = b.ms_until([&](const DriveOutputs& o) {
-    highest = std::max(highest, b.power.sensors(true).current_a_rms);
-    return o.state == RunState::kConstant;
-  }, 10'000);
+  const int ms = b.ms_until(
+      [&](const DriveOutputs& o) {
+        highest = std::max(highest, b.power.sensors(true).current_a_rms);
+        return o.state == RunState::kConstant;
+      },
+      10'000);
   // 150 % of 4 A is 6 A: 1.65 of the rated torque, 330 Hz/s; the rate has to find that.
   EXPECT_GT(ms, 150);
   EXPECT_LT(ms, 600);
@@ -334,6 +338,24 @@ TEST(DriveCoreRun, ShortestDecelerationKeepsTheLinkBelowItsTrip) {
   b.stop();
   EXPECT_GT(b.ms_until_state(RunState::kStopped, 30'000), 100);
   EXPECT_FALSE(b.tripped) << b.tripped->value;
+}
+
+TEST(DriveCoreRun, ANewStartForgetsSlipAndShortestRate) {
+  DriveBench b;
+  b.settings.rated_slip_hz = 2;
+  b.settings.shortest_acceleration = true;
+  b.power.load = 1;
+  b.forward(50);
+  b.run_ms(150);
+  b.command.output_stop = true;
+  b.tick();
+  b.power.rotor_hz = 0;
+  b.power.torque = 0;
+  b.command.output_stop = false;
+  b.tick();
+  EXPECT_EQ(b.hz(), 0.5);
+  b.run_ms(5);
+  EXPECT_NEAR(b.out().ramp_frequency_hz, 0.55, 0.01);  // 10 Hz/s again
 }
 
 // A copy is a snapshot: both go on identically.

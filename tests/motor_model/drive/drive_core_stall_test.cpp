@@ -8,16 +8,18 @@ namespace {
 
 TEST(DriveCoreStall, AHeavyStartLengthensTheRamp) {
   DriveBench b;
-  b.settings.acceleration_s = 1;          // 50 Hz/s
-  b.power.acceleration_hz_s = 15;         // rated torque gives 15 Hz/s
+  b.settings.acceleration_s = 1;   // 50 Hz/s
+  b.power.acceleration_hz_s = 15;  // rated torque gives 15 Hz/s
   b.forward(50);
   bool overload = false;
   double highest = 0;
-  const int ms = b.ms_until([&](const DriveOutputs& o) {
-    overload |= o.overload;
-    highest = std::max(highest, b.power.sensors(true).current_a_rms);
-    return o.state == RunState::kConstant;
-  }, 20'000);
+  const int ms = b.ms_until(
+      [&](const DriveOutputs& o) {
+        overload |= o.overload;
+        highest = std::max(highest, b.power.sensors(true).current_a_rms);
+        return o.state == RunState::kConstant;
+      },
+      20'000);
   // 6 A is 1.65 of rated torque: 25 Hz/s, 2 s.
   EXPECT_NEAR(ms, 2000, 150);
   EXPECT_TRUE(overload);
@@ -77,6 +79,16 @@ TEST(DriveCoreStall, ABlockedShaftIsHeldAtTheLevelUntilTheInverterOverloadTrips)
   ASSERT_TRUE(b.tripped);
   EXPECT_EQ(b.tripped->kind, TripKind::kInverterOverload);
   EXPECT_NEAR(ms + 5000, 60'000, 15'000);
+}
+
+TEST(DriveCoreStall, ABlockedMotorCanBeStopped) {
+  DriveBench b;
+  b.power.locked = true;
+  b.forward(50);
+  b.run_ms(2000);
+  EXPECT_TRUE(b.out().overload);
+  b.stop();
+  EXPECT_GT(b.ms_until_state(RunState::kStopped, 1000), 0);
 }
 
 TEST(DriveCoreStall, StallAtOnceTripsWhenOverloadWouldShow) {
@@ -148,6 +160,43 @@ TEST(DriveCoreStall, TheChopperSavesTheStopUntilItsDutyIsUsedUp) {
   EXPECT_EQ(b.tripped->kind, TripKind::kOverVoltageDeceleration);
   EXPECT_FALSE(b.out().chopper_enabled);
   EXPECT_GT(b.out().brake_duty_fraction, 0.9);
+}
+
+TEST(DriveCoreStall, RecoveryIsARampAlsoWithoutAccelerationTime) {
+  DriveBench b;
+  b.settings.acceleration_s = 0;
+  b.settings.over_current_percent = 1000;
+  b.settings.inverter_overload_start_percent = 1000;
+  b.power.acceleration_hz_s = 1000;
+  b.forward(10);
+  b.ms_until_state(RunState::kConstant, 6000);
+  b.run_ms(500);
+  b.meddle = [](Sensors& m) { m.current_a_rms = 6.5; };
+  b.run_ms(500);
+  EXPECT_LT(b.hz(), 7);
+  EXPECT_GT(b.hz(), 3);
+  b.meddle = [](Sensors& m) { m.current_a_rms = 4; };
+  double last = b.hz();
+  for (int i = 0; i < 200; ++i) {
+    b.tick();
+    ASSERT_LE(b.hz() - last, 0.5 + 1e-9);
+    last = b.hz();
+  }
+  EXPECT_EQ(b.hz(), 10);
+}
+
+TEST(DriveCoreStall, TheFastLimitTakesVoltageNotFrequency) {
+  DriveBench b;
+  b.forward(30);
+  b.ms_until_state(RunState::kConstant, 6000);
+  const double before = b.out().stage_voltage_peak_v;
+  b.meddle = [](Sensors& m) { m.current_peak_a = 11; };  // trips at 11.3
+  b.run_ms(3);
+  EXPECT_LT(b.out().stage_voltage_peak_v, 0.9 * before);
+  EXPECT_EQ(b.hz(), 30);
+  b.meddle = nullptr;
+  b.run_ms(60);
+  EXPECT_NEAR(b.out().stage_voltage_peak_v, before, 1e-9);
 }
 
 }  // namespace

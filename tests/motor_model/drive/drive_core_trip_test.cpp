@@ -1,6 +1,8 @@
 // Trips: what they are called, that they shut the output, how they are reset.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
 #include <functional>
 
 #include "drive_bench.hpp"
@@ -31,11 +33,11 @@ TEST(DriveCoreTrip, ComparatorsAreNamedByTheRampAtThatInstant) {
     RunState state;
     TripKind over_current, over_voltage;
   };
-  for (const Case& c : {
-           Case{RunState::kAccelerating, TripKind::kOverCurrentAcceleration, TripKind::kOverVoltageAcceleration},
-           Case{RunState::kConstant, TripKind::kOverCurrentConstant, TripKind::kOverVoltageConstant},
-           Case{RunState::kDecelerating, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration},
-           Case{RunState::kStopped, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration}}) {
+  for (const Case& c :
+       {Case{RunState::kAccelerating, TripKind::kOverCurrentAcceleration, TripKind::kOverVoltageAcceleration},
+        Case{RunState::kConstant, TripKind::kOverCurrentConstant, TripKind::kOverVoltageConstant},
+        Case{RunState::kDecelerating, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration},
+        Case{RunState::kStopped, TripKind::kOverCurrentDeceleration, TripKind::kOverVoltageDeceleration}}) {
     for (const bool current : {true, false}) {
       DriveBench b;
       prepare(b, c.state);
@@ -59,7 +61,7 @@ TEST(DriveCoreTrip, ComparatorsAreNamedByTheRampAtThatInstant) {
       EXPECT_EQ(o.output_frequency_hz, 0);
       b.meddle = nullptr;
       b.forward(30);
-      EXPECT_FALSE(b.tick().trip);   // reported once
+      EXPECT_FALSE(b.tick().trip);  // reported once
       b.run_ms(1000);
       EXPECT_FALSE(b.out().gates_on);
       b.core.reset(DriveCore::Accumulators::kKeep);
@@ -89,10 +91,10 @@ TEST(DriveCoreTrip, SensorCausesTripWithTheirKind) {
     TripKind kind;
     int within_ms;
   };
-  for (const Case& c : {
-           Case{"heat sink", [](Sensors& m) { m.heat_sink_c = 95; }, TripKind::kHeatSink, 1},
-           Case{"chopper", [](Sensors& m) { m.chopper_failed = true; }, TripKind::kBrakeTransistor, 1},
-           Case{"phase", [](Sensors& m) { m.output_phase_open = true; }, TripKind::kOutputPhaseLoss, 501}}) {
+  for (const Case& c :
+       {Case{"heat sink", [](Sensors& m) { m.heat_sink_c = 95; }, TripKind::kHeatSink, 1},
+        Case{"chopper", [](Sensors& m) { m.chopper_failed = true; }, TripKind::kBrakeTransistor, 1},
+        Case{"phase", [](Sensors& m) { m.output_phase_open = true; }, TripKind::kOutputPhaseLoss, 501}}) {
     DriveBench b;
     prepare(b, RunState::kConstant);
     b.meddle = c.cause;
@@ -220,7 +222,7 @@ TEST(DriveCoreTrip, InverterOverloadTripsByItsCurve) {
   b.settings.fast_current_limit = false;
   b.settings.electronic_thermal_a_rms = 0;
   prepare(b, RunState::kConstant);
-  b.meddle = [](Sensors& m) { m.current_a_rms = 7.2; };   // 180 %
+  b.meddle = [](Sensors& m) { m.current_a_rms = 7.2; };  // 180 %
   EXPECT_NEAR(b.ms_until([](const DriveOutputs& o) { return o.trip.has_value(); }, 20'000), 9940, 200);
   EXPECT_EQ(b.tripped->kind, TripKind::kInverterOverload);
 }
@@ -248,6 +250,49 @@ TEST(DriveCoreTrip, NothingTripsWithoutPermitButTheCauseWaits) {
   b.command.permit = true;
   b.tick();
   EXPECT_TRUE(b.tripped);
+}
+
+TEST(DriveCoreTrip, EarthFaultTestLastsATenthOfASecond) {
+  for (const int ms : {50, 150}) {
+    DriveBench b;
+    b.forward(30);
+    b.run_ms(ms);
+    b.meddle = [](Sensors& m) { m.earth_fault = true; };
+    b.run_ms(200);
+    EXPECT_EQ(b.tripped.has_value(), ms < 100) << ms;
+  }
+}
+
+TEST(DriveCoreTrip, AnOverloadedInverterAtStandstillDoesNotTripAgain) {
+  DriveBench b;
+  b.settings.stall_level_percent = 0;
+  b.settings.electronic_thermal_a_rms = 0;
+  prepare(b, RunState::kConstant);
+  b.meddle = [](Sensors& m) { m.current_a_rms = 7.2; };
+  b.ms_until([](const DriveOutputs& o) { return o.trip.has_value(); }, 20'000);
+  ASSERT_TRUE(b.tripped);
+  // The sensors still show the current for a moment.
+  b.stop();
+  b.tripped.reset();
+  b.core.reset(DriveCore::Accumulators::kKeep);
+  b.tick();
+  EXPECT_FALSE(b.tripped);
+  EXPECT_EQ(b.out().state, RunState::kStopped);
+}
+
+TEST(DriveCoreTrip, MotorOverloadCountsFasterAtLowSpeedWithoutForcedCooling) {
+  std::array<double, 3> fraction{};
+  for (std::size_t i = 0; i < fraction.size(); ++i) {
+    DriveBench b;
+    b.settings.acceleration_s = 0.5;
+    b.settings.motor_forced_cooling = i == 2;
+    b.forward(i == 0 ? 50 : 5);
+    b.meddle = [](Sensors& m) { m.current_a_rms = 4; };
+    b.run_ms(20'000);
+    fraction[i] = b.out().motor_thermal_fraction;
+  }
+  EXPECT_NEAR(fraction[1] / fraction[0], 4, 0.15);  // (1 / 0.5)^2
+  EXPECT_NEAR(fraction[2] / fraction[0], 1, 0.05);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ TEST(FrequencyLimits, MinimumAndMaximumClampTheReference) {
 
 TEST(FrequencyLimits, AReferenceInAJumpBandTakesTheJumpFrequencyRisingAndFalling) {
   DriveSettings s;
-  s.jump_bands[0] = {30, 35, 35};   // 1A = 35, 1B = 30
-  s.jump_bands[2] = {50, 55, 50};   // 3A = 50, 3B = 55
+  s.jump_bands[0] = {30, 35, 35};  // 1A = 35, 1B = 30
+  s.jump_bands[2] = {50, 55, 50};  // 3A = 50, 3B = 55
   double last = -1;
   for (int i = 0; i < 2900; ++i) {
     const double f = 28.005 + i * 0.01;

@@ -43,7 +43,7 @@ TEST(Pid, DerivativeActsOnTheMeasuredRateNotOnTheSetPoint) {
   const PidSettings s{.proportional_band_percent = 100, .integral_s = 0, .derivative_s = 0.5};
   Pid pid;
   double out = 0;
-  for (int i = 0; i < 1000; ++i) out = pid.step(kDt, s, 50, 10 * i * kDt);   // rises by 10 %/s
+  for (int i = 0; i < 1000; ++i) out = pid.step(kDt, s, 50, 10 * i * kDt);  // rises by 10 %/s
   EXPECT_NEAR(out, 50 - 10 - 5, 0.1);
   Pid kick;
   run(kick, s, 20, 20, 10);

@@ -42,7 +42,7 @@ TEST(RemoteSetting, StoresWhenTheStartSignalGoesOff) {
   EXPECT_NEAR(*stored, 10, 1e-6);
   run(r, s, {.start = true}, 10);
   run(r, s, {}, 10);
-  EXPECT_FALSE(r.take_store().has_value());   // unchanged since
+  EXPECT_FALSE(r.take_store().has_value());  // unchanged since
 }
 
 TEST(RemoteSetting, StoresAfterAMinuteOfRest) {
@@ -63,7 +63,7 @@ TEST(RemoteSetting, WithoutMemoryNothingIsStored) {
   run(r, s, {.raise = true, .start = true}, 1000);
   run(r, s, {}, 70'000);
   EXPECT_FALSE(r.take_store().has_value());
-  EXPECT_NEAR(r.frequency_hz(), 10, 1e-6);    // kept until power-off
+  EXPECT_NEAR(r.frequency_hz(), 10, 1e-6);  // kept until power-off
 }
 
 TEST(RemoteSetting, PowerOnResumesTheStoredFrequency) {

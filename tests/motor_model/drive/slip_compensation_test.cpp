@@ -11,7 +11,7 @@ DriveSettings with_slip() {
   DriveSettings s;
   s.rated_slip_hz = 2;
   s.motor_rated_current_a_rms = 5;
-  s.motor_no_load_current_a_rms = 3;   // rated active current 4 A
+  s.motor_no_load_current_a_rms = 3;  // rated active current 4 A
   s.slip_response_s = 0.5;
   return s;
 }

@@ -7,16 +7,16 @@ namespace {
 
 DriveSettings four_amps() {
   DriveSettings s;
-  s.rated_current_a_rms = 4;   // 150 %: 6 A
+  s.rated_current_a_rms = 4;  // 150 %: 6 A
   return s;
 }
 
 StallPrevention::Decision settle(StallPrevention& stall, const DriveSettings& s, Motion motion, double a,
-                                 double hz = 30, double link_v = 566, int ms = 200) {
+                                 double hz = 30, double link_v = 566, int ms = 200, bool regenerating = true) {
   StallPrevention::Decision d;
   for (int i = 0; i < ms; ++i) {
     stall.observe(0.001, a);
-    d = stall.step(0.001, s, motion, hz, link_v);
+    d = stall.step(0.001, s, {motion, hz, regenerating, link_v});
   }
   return d;
 }
@@ -34,7 +34,7 @@ TEST(StallPrevention, AccelerationIsHeldJustAboveTheLevelAndTakenBackBeyond) {
   EXPECT_EQ(d.action, RampAction::kLower);
   d = settle(stall, s, Motion::kAccelerating, 5.9);
   EXPECT_EQ(d.action, RampAction::kFollow);
-  EXPECT_TRUE(d.active);   // until it has recovered
+  EXPECT_TRUE(d.active);  // until it has recovered
   d = settle(stall, s, Motion::kAccelerating, 5.8);
   EXPECT_FALSE(d.active);
 }
@@ -57,6 +57,13 @@ TEST(StallPrevention, DecelerationIsHeldOnCurrentAndWhereFittedOnTheLink) {
   EXPECT_EQ(d.action, RampAction::kHold);
   EXPECT_TRUE(d.active);
   EXPECT_EQ(settle(stall, s, Motion::kConstant, 5, 30, 790).action, RampAction::kFollow);
+}
+
+TEST(StallPrevention, AMotoringCurrentDoesNotHoldADeceleration) {
+  StallPrevention stall;
+  const auto d = settle(stall, four_amps(), Motion::kDecelerating, 6.5, 30, 566, 200, false);
+  EXPECT_EQ(d.action, RampAction::kFollow);
+  EXPECT_FALSE(d.active);
 }
 
 TEST(StallPrevention, EachStateMayBeExcluded) {
@@ -104,7 +111,7 @@ TEST(StallPrevention, LevelAboveTheStartFrequencyFollowsTheCompensationFactor) {
   EXPECT_NEAR(stall_level_percent(s, 100), 75 + 18.75 * 75 / 131.25, 1e-9);
   EXPECT_NEAR(stall_level_percent(s, 400), 37.5, 1e-9);
   s.stall_level_double_speed_percent = 0;
-  EXPECT_NEAR(stall_level_percent(s, 400), 1, 1e-9);   // reduced is not off
+  EXPECT_NEAR(stall_level_percent(s, 400), 1, 1e-9);  // reduced is not off
   s.stall_reduction_start_hz = 0;
   EXPECT_GE(stall_level_percent(s, 10), 1);
 }
@@ -123,6 +130,13 @@ TEST(StallPrevention, TripsAtOnceWhereSoSet) {
   s.stall_trips_at_once = true;
   EXPECT_FALSE(settle(stall, s, Motion::kConstant, 5.9).trip);
   EXPECT_TRUE(settle(stall, s, Motion::kConstant, 6.5, 40).trip);
+}
+
+TEST(StallPrevention, AHeldDecelerationAtHalfAHertzIsNoStallTrip) {
+  StallPrevention stall;
+  const auto d = settle(stall, four_amps(), Motion::kDecelerating, 6.5, 0.5, 566, 10'000);
+  EXPECT_TRUE(d.active);
+  EXPECT_FALSE(d.trip);
 }
 
 }  // namespace

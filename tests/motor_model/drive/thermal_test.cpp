@@ -34,8 +34,16 @@ ElectronicThermal hot() {
 }
 
 TEST(InverterOverload, TripTimesFollowTheInverseTimeCurve) {
-  for (const auto& [ratio, seconds] : {std::pair{1.1, 659.0}, {1.2, 362.0}, {1.3, 199.0}, {1.4, 109.0}, {1.5, 60.0},
-                                       {1.6, 33.0}, {1.7, 18.1}, {1.8, 9.94}, {1.9, 5.46}, {2.0, 3.0}}) {
+  for (const auto& [ratio, seconds] : {std::pair{1.1, 659.0},
+                                       {1.2, 362.0},
+                                       {1.3, 199.0},
+                                       {1.4, 109.0},
+                                       {1.5, 60.0},
+                                       {1.6, 33.0},
+                                       {1.7, 18.1},
+                                       {1.8, 9.94},
+                                       {1.9, 5.46},
+                                       {2.0, 3.0}}) {
     EXPECT_NEAR(seconds_to_trip(InverterOverload{}, ratio, 1.05), seconds, seconds * 0.02) << ratio;
   }
 }
@@ -70,8 +78,17 @@ TEST(ElectronicThermal, RatedCurrentNeverTripsAt50Hz) {
 }
 
 TEST(ElectronicThermal, DeratingFollowsItsBreakPoints) {
-  for (const auto& [hz, c] : {std::pair{0.0, 0.4}, {1.0, 0.4}, {3.0, 0.45}, {5.0, 0.5}, {15.0, 0.6}, {17.5, 0.65},
-                              {20.0, 0.7}, {30.0, 0.9}, {40.0, 0.95}, {50.0, 1.0}, {120.0, 1.0}}) {
+  for (const auto& [hz, c] : {std::pair{0.0, 0.4},
+                              {1.0, 0.4},
+                              {3.0, 0.45},
+                              {5.0, 0.5},
+                              {15.0, 0.6},
+                              {17.5, 0.65},
+                              {20.0, 0.7},
+                              {30.0, 0.9},
+                              {40.0, 0.95},
+                              {50.0, 1.0},
+                              {120.0, 1.0}}) {
     EXPECT_NEAR(ElectronicThermal::continuous_current(hz), c, 1e-12) << hz;
   }
 }
