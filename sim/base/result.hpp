@@ -37,6 +37,7 @@ class [[nodiscard]] Result {
   constexpr T&& value() && { return VINV_CHECK(has_value()), std::get<0>(std::move(state_)); }
   constexpr const T& operator*() const& { return value(); }
   constexpr T& operator*() & { return value(); }
+  constexpr T&& operator*() && { return std::move(*this).value(); }
   constexpr const T* operator->() const { return &value(); }
   constexpr T* operator->() { return &value(); }
   constexpr const E& error() const { return VINV_CHECK(!has_value()), std::get<1>(state_); }

@@ -1,5 +1,6 @@
 // Records TCP streams into a capture file, as the frames that tshark or Wireshark would have seen on a wire
-// (`tshark -r FILE -d tcp.port==1502,mbtcp`). Any number of streams share one recorder.
+// (`tshark -r FILE -o mbtcp.tcp.port:1502`: by that port it also tells queries from answers). Any number of streams
+// share one recorder.
 #pragma once
 
 #include <cstdint>

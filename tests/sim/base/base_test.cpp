@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 
 #include "sim/base/bytes.hpp"
@@ -39,6 +40,19 @@ TEST(Result, HoldsAValueOrAnError) {
   EXPECT_EQ(bad.value_or(7), 7);
   const Result<void, int> done;
   EXPECT_TRUE(done);
+}
+
+TEST(Result, GivesUpAValueThatCanOnlyMove) {
+  const auto make = []() -> Result<std::unique_ptr<int>, std::string> { return std::make_unique<int>(5); };
+  const std::unique_ptr<int> moved = *make();
+  EXPECT_EQ(*moved, 5);
+}
+
+TEST(ResultDeathTest, AskingForWhatIsNotThereIsABugOfOurs) {
+  const Result<int, std::string> bad = Unexpected(std::string("no"));
+  const Result<int, std::string> good = 1;
+  EXPECT_DEATH(static_cast<void>(bad.value()), "broken invariant");
+  EXPECT_DEATH(static_cast<void>(good.error()), "broken invariant");
 }
 
 TEST(Random, SequenceIsPartOfTheTrace) {
