@@ -20,8 +20,7 @@ void DetectionOutputs::step(double dt_s, const DriveSettings& settings, const In
   frequency_detected_ = in.running && (output >= 0 ? output + kResolution_hz >= settings.detect_forward_hz
                                                    : -output + kResolution_hz >= settings.detect_reverse_hz);
 
-  const double percent =
-      settings.rated_current_a_rms > 0 ? in.current_a_rms / settings.rated_current_a_rms * 100 : 0;
+  const double percent = settings.rated_current_a_rms > 0 ? in.current_a_rms / settings.rated_current_a_rms * 100 : 0;
   if (current_.step(dt_s, in.running && percent >= settings.current_detect_percent, settings.current_detect_s)) {
     current_hold_s_ = kCurrentHold_s;
     current_detected_ = true;

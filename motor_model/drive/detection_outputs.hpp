@@ -10,9 +10,9 @@ class DetectionOutputs {
  public:
   struct Input {
     bool running = false;
-    double ramp_frequency_hz = 0;     // signed
-    double output_frequency_hz = 0;   // signed, compensated
-    double set_frequency_hz = 0;      // signed, after limits and jumps
+    double ramp_frequency_hz = 0;    // signed
+    double output_frequency_hz = 0;  // signed, compensated
+    double set_frequency_hz = 0;     // signed, after limits and jumps
     double current_a_rms = 0;
   };
 

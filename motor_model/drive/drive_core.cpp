@@ -95,7 +95,11 @@ const DriveOutputs& DriveCore::tick(Duration period, const DriveSettings& settin
                                     const Sensors& sensors) {
   const double limited = limited_reference_hz(settings, command.set_frequency_hz);
   const double reference = limited >= settings.start_frequency_hz ? limited : 0;
-  const Tick t{std::max(to_seconds(period), 0.0), settings, command, sensors, reference,
+  const Tick t{std::max(to_seconds(period), 0.0),
+               settings,
+               command,
+               sensors,
+               reference,
                command.direction != RunDirection::kStop && reference > 0};
 
   out_.trip.reset();
@@ -143,8 +147,10 @@ void DriveCore::stop_or_run(const Tick& t) {
       if (t.wanted && !link_.low()) start(t);
       return;
     case RunState::kDcBraking:
-      if (t.wanted) start(t);
-      else brake(t);
+      if (t.wanted)
+        start(t);
+      else
+        brake(t);
       return;
     case RunState::kCoastDelay:
       if (start_on) break;
@@ -186,18 +192,22 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
   const DriveSettings& s = t.settings;
   const Motion now = motion(target_hz);  // apart from stall prevention
   const double magnitude = std::abs(ramp_.frequency_hz());
-  const auto stall = stall_.step(t.dt_s, s, now, magnitude, t.sensors.dc_link_v);
+  const auto stall = stall_.step(t.dt_s, s, {now, magnitude, t.sensors.active_current_a_rms < 0, t.sensors.dc_link_v});
   overload_ = stall.active;
   if (stall.trip) {
-    const RunState state = now == Motion::kAccelerating   ? RunState::kAccelerating
-                           : now == Motion::kConstant     ? RunState::kConstant
-                                                          : RunState::kDecelerating;
-    trip({TripKind::kStallPrevention, {}, stall_.filtered_current_a_rms(), stall.level_a_rms, state,
+    const RunState state = now == Motion::kAccelerating ? RunState::kAccelerating
+                           : now == Motion::kConstant   ? RunState::kConstant
+                                                        : RunState::kDecelerating;
+    trip({TripKind::kStallPrevention,
+          {},
+          stall_.filtered_current_a_rms(),
+          stall.level_a_rms,
+          state,
           out_.output_frequency_hz});
     return;
   }
-  RampTimes times = shortest_.step(t.dt_s, s, ramp_times(s), now, stall_.filtered_current_a_rms(),
-                                   t.sensors.dc_link_v, stall.level_a_rms);
+  RampTimes times = shortest_.step(t.dt_s, s, ramp_times(s), now, stall_.filtered_current_a_rms(), t.sensors.dc_link_v,
+                                   stall.level_a_rms);
   if (stalled_at_constant_) times.acceleration_s = std::max(times.acceleration_s, kFastestStallRamp_s);
 
   if (now == Motion::kConstant && stall.action != RampAction::kFollow) stalled_at_constant_ = true;
@@ -206,8 +216,8 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
     RampTimes lowering = times;
     lowering.acceleration_s = std::max(lowering.acceleration_s, kFastestStallRamp_s);
     lowering.deceleration_s = std::max(lowering.deceleration_s, kFastestStallRamp_s);
-    const double rate = now == Motion::kAccelerating ? acceleration_rate_hz_s(lowering)
-                                                     : deceleration_rate_hz_s(lowering);
+    const double rate =
+        now == Motion::kAccelerating ? acceleration_rate_hz_s(lowering) : deceleration_rate_hz_s(lowering);
     ramp_.lower(rate * t.dt_s, s.stall_trip_frequency_hz);
   } else if (stall.action == RampAction::kFollow && !(cushion_.rising() && now == Motion::kAccelerating)) {
     ramp_.step(t.dt_s, target_hz, times);
@@ -250,8 +260,10 @@ void DriveCore::supply_failed(const Tick& t) {
       state_ = power_failure_.waiting() ? RunState::kRestartWait : RunState::kPowerFailure;
       return;
     case PowerFailure::Verdict::kResume:
-      if (t.command.output_stop) output_off(RunState::kStopped);
-      else state_ = state_before_dip_;
+      if (t.command.output_stop)
+        output_off(RunState::kStopped);
+      else
+        state_ = state_before_dip_;
       return;
     case PowerFailure::Verdict::kStopped: output_off(RunState::kStopped); return;
     case PowerFailure::Verdict::kRestart: break;
@@ -262,8 +274,8 @@ void DriveCore::supply_failed(const Tick& t) {
   }
   start(t);
   if (state_ == RunState::kTripped) return;
-  const double rotor = std::clamp(t.sensors.rotor_frequency_hz, -t.settings.max_frequency_hz,
-                                  t.settings.max_frequency_hz);
+  const double rotor =
+      std::clamp(t.sensors.rotor_frequency_hz, -t.settings.max_frequency_hz, t.settings.max_frequency_hz);
   if (std::abs(rotor) > t.settings.start_frequency_hz) ramp_.set(rotor);
   cushion_.begin();
 }
@@ -279,8 +291,7 @@ void DriveCore::set_stage(const Tick& t) {
   out_.stage_voltage_peak_v = 0;
   if (!out_.gates_on) return;
 
-  const double limit =
-      current_limit_.step(t.dt_s, s, t.sensors.current_peak_a, t.sensors.active_current_a_rms);
+  const double limit = current_limit_.step(t.dt_s, s, t.sensors.current_peak_a, t.sensors.active_current_a_rms);
   if (state_ == RunState::kDcBraking) {
     out_.ramp_frequency_hz = 0;
     out_.stage_voltage_peak_v = limit * phase_peak_v(DcBrake::voltage_v_rms(s));
@@ -290,8 +301,8 @@ void DriveCore::set_stage(const Tick& t) {
   const double magnitude = std::abs(ramp);
   const double slip = slip_.step(t.dt_s, s, magnitude, t.sensors.active_current_a_rms);
   // Compensation does not raise the output above the maximum frequency, nor lower it below the start frequency.
-  const double output = std::clamp(magnitude + slip, std::min(magnitude, s.start_frequency_hz),
-                                   std::max(magnitude, s.max_frequency_hz));
+  const double output =
+      std::clamp(magnitude + slip, std::min(magnitude, s.start_frequency_hz), std::max(magnitude, s.max_frequency_hz));
   const RunDirection rotation = ramp < 0 ? RunDirection::kReverse : RunDirection::kForward;
   const double raised = cushion_.rising() ? cushion_.step(t.dt_s, s.restart_cushion_s) : 1;
   const double voltage = vf_voltage_v_rms(s, output, rotation, compensation_current_.value());

@@ -1,5 +1,5 @@
-// What goes into and comes out of the control core at each tick: effective settings, command, sensors, outputs. Physical
-// values throughout; which parameter sets them is the family's personality (motor_model/inverter).
+// What goes into and comes out of the control core at each tick: effective settings, command, sensors, outputs.
+// Physical values throughout; which parameter sets them is the family's personality (motor_model/inverter).
 #pragma once
 
 #include <array>
@@ -15,11 +15,12 @@ enum class LoadPattern : std::uint8_t { kConstantTorque, kVariableTorque, kHoist
 
 struct FrequencyBand {
   double low_hz = 0;
-  double high_hz = 0;       // jump band off when high <= low; the frequency that is taken instead is jump_to_hz
+  double high_hz = 0;  // jump band off when high <= low; the frequency that is taken instead is jump_to_hz
   double jump_to_hz = 0;
 };
 
 // Effective settings for this tick: the personality has already chosen between first and second functions and jog.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): the order is the reader's
 struct DriveSettings {
   // ratings
   double rated_current_a_rms = 1.6;
@@ -38,13 +39,13 @@ struct DriveSettings {
   RampPattern ramp_pattern = RampPattern::kLinear;
   // V/f
   double base_frequency_hz = 50;
-  double base_voltage_v_rms = 400;      // at and above base frequency
-  double torque_boost_percent = 4;      // of base voltage at 0 Hz
+  double base_voltage_v_rms = 400;  // at and above base frequency
+  double torque_boost_percent = 4;  // of base voltage at 0 Hz
   LoadPattern load_pattern = LoadPattern::kConstantTorque;
   double stator_resistance_compensation_ohm = 0;  // flux vector control: adds R * I to the voltage; 0: off
   // slip compensation
-  double rated_slip_hz = 0;             // 0: off
-  double motor_rated_current_a_rms = 0; // for slip compensation and electronic thermal; 0: rated_current
+  double rated_slip_hz = 0;              // 0: off
+  double motor_rated_current_a_rms = 0;  // for slip compensation and electronic thermal; 0: rated_current
   double motor_no_load_current_a_rms = 0;
   double slip_response_s = 0.5;
   bool slip_in_constant_output = true;  // above base frequency too
@@ -53,47 +54,47 @@ struct DriveSettings {
   double dc_brake_s = 0.5;              // 0: off
   double dc_brake_voltage_percent = 4;  // of base voltage; 0: off
   // stall prevention (current)
-  double stall_level_percent = 150;     // of rated current; 0: off
+  double stall_level_percent = 150;               // of rated current; 0: off
   double stall_level_double_speed_percent = 100;  // compensation factor (E500 Pr.23), see stall_level_percent()
-  bool stall_compensated = false;       // false: the level is the same at every frequency
+  bool stall_compensated = false;                 // false: the level is the same at every frequency
   double stall_reduction_start_hz = 50;
   bool stall_in_acceleration = true;
   bool stall_at_constant = true;
   bool stall_in_deceleration = true;
-  bool stall_trips_at_once = false;     // trips E.OLT as soon as OL would be signalled
-  bool fast_current_limit = true;       // hardware limit just below the over-current level
+  bool stall_trips_at_once = false;  // trips E.OLT as soon as OL would be signalled
+  bool fast_current_limit = true;    // hardware limit just below the over-current level
   // stall prevention (voltage), for families that have a DC-link hold; E500 has none
-  double dc_link_hold_v = 0;            // 0: off
+  double dc_link_hold_v = 0;  // 0: off
   // shortest acceleration/deceleration
-  bool shortest_acceleration = false;   // ramp as fast as the stall level (or the reference below) allows
+  bool shortest_acceleration = false;  // ramp as fast as the stall level (or the reference below) allows
   bool shortest_deceleration = false;
   double shortest_current_acceleration_a_rms = 0;
   double shortest_current_deceleration_a_rms = 0;
   // stop selection
   bool stop_by_coasting = false;
-  double coast_delay_s = 0;             // from the stop command; the output goes on until then
+  double coast_delay_s = 0;  // from the stop command; the output goes on until then
   // protections
   double electronic_thermal_a_rms = 0;  // 0: off
   bool motor_forced_cooling = false;    // constant-torque motor: no derating at low speed
   double inverter_overload_start_percent = 110;
-  double over_current_percent = 200;    // of rated current, instantaneous peak; for the plant's comparator
+  double over_current_percent = 200;  // of rated current, instantaneous peak; for the plant's comparator
   double over_voltage_v = 800;
   double under_voltage_v = 345;
   double under_voltage_clear_v = 380;
-  double stall_trip_frequency_hz = 0.5; // E.OLT when pulled down to this ...
-  double stall_trip_s = 3;              // ... for this long
+  double stall_trip_frequency_hz = 0.5;  // E.OLT when pulled down to this ...
+  double stall_trip_s = 3;               // ... for this long
   double heat_sink_trip_c = 95;
   bool output_phase_loss_protection = true;
-  bool earth_fault_detection = true;    // tested when the output comes on
+  bool earth_fault_detection = true;  // tested when the output comes on
   // brake chopper
   bool chopper_fitted = true;
   double chopper_on_v = 740;
   double chopper_off_v = 725;
-  double chopper_duty_percent = 3;      // permitted duty; the chopper is held off while it is used up
+  double chopper_duty_percent = 3;  // permitted duty; the chopper is held off while it is used up
   // instantaneous power failure
   bool restart_enabled = false;
-  double restart_coast_s = 0.5;         // wait after the power returns
-  double restart_cushion_s = 1;         // voltage is raised over this time
+  double restart_coast_s = 0.5;  // wait after the power returns
+  double restart_cushion_s = 1;  // voltage is raised over this time
   double power_failure_detect_s = 0.015;
   // detection outputs
   double up_to_frequency_percent = 10;  // of the set frequency
@@ -101,7 +102,7 @@ struct DriveSettings {
   double detect_reverse_hz = 6;
   double current_detect_percent = 150;  // Y12
   double current_detect_s = 0;
-  double zero_current_percent = 5;      // Y13
+  double zero_current_percent = 5;  // Y13
   double zero_current_s = 0.5;
   // carrier, for the loss model and the monitor
   double carrier_hz = 1000;
@@ -111,10 +112,10 @@ enum class RunDirection : std::int8_t { kReverse = -1, kStop = 0, kForward = 1 }
 
 struct DriveCommand {
   RunDirection direction = RunDirection::kStop;
-  double set_frequency_hz = 0;      // magnitude, before limits and jumps
-  bool output_stop = false;         // MRS: output off at once, the motor coasts
-  bool external_thermal = false;    // OH opened
-  bool permit = true;               // false in start-up, reset and while a retry waits: no output
+  double set_frequency_hz = 0;    // magnitude, before limits and jumps
+  bool output_stop = false;       // MRS: output off at once, the motor coasts
+  bool external_thermal = false;  // OH opened
+  bool permit = true;             // false in start-up, reset and while a retry waits: no output
 };
 
 struct Sensors {
@@ -125,36 +126,54 @@ struct Sensors {
   double heat_sink_c = 25;
   bool control_power = true;
   bool chopper_on = false;
-  bool chopper_failed = false;      // injected
-  bool earth_fault = false;         // injected
-  bool output_phase_open = false;   // injected
+  bool chopper_failed = false;     // injected
+  bool earth_fault = false;        // injected
+  bool output_phase_open = false;  // injected
   // hardware comparators since the last tick
   bool over_current = false;
   bool over_voltage = false;
   bool under_voltage = false;
-  double comparator_value = 0;      // A peak or V at the event
-  Duration comparator_after{};      // since the last tick
+  double comparator_value = 0;  // A peak or V at the event
+  Duration comparator_after{};  // since the last tick
   // from a speed search of the personality (restart after power failure without a sensor): electrical, Hz
   double rotor_frequency_hz = 0;
 };
 
 enum class RunState : std::uint8_t {
-  kStopped, kAccelerating, kConstant, kDecelerating, kDcBraking, kCoastDelay, kPowerFailure, kRestartWait, kTripped,
+  kStopped,
+  kAccelerating,
+  kConstant,
+  kDecelerating,
+  kDcBraking,
+  kCoastDelay,
+  kPowerFailure,
+  kRestartWait,
+  kTripped,
 };
 
 // What a trip is in physics; the family names it (families/*/alarms.csv).
 enum class TripKind : std::uint8_t {
-  kOverCurrentAcceleration, kOverCurrentConstant, kOverCurrentDeceleration,
-  kOverVoltageAcceleration, kOverVoltageConstant, kOverVoltageDeceleration,
-  kInverterOverload, kMotorOverload, kHeatSink, kStallPrevention, kBrakeTransistor, kEarthFault, kOutputPhaseLoss,
+  kOverCurrentAcceleration,
+  kOverCurrentConstant,
+  kOverCurrentDeceleration,
+  kOverVoltageAcceleration,
+  kOverVoltageConstant,
+  kOverVoltageDeceleration,
+  kInverterOverload,
+  kMotorOverload,
+  kHeatSink,
+  kStallPrevention,
+  kBrakeTransistor,
+  kEarthFault,
+  kOutputPhaseLoss,
   kExternalThermal,
 };
 
 // The cause chain that reports show: what was measured against which level, in which state.
 struct Trip {
   TripKind kind{};
-  Duration after{};                 // since the start of the tick in which it happened
-  double value = 0;                 // A, V, degC or accumulated fraction
+  Duration after{};  // since the start of the tick in which it happened
+  double value = 0;  // A, V, degC or accumulated fraction
   double level = 0;
   RunState state{};
   double output_frequency_hz = 0;
@@ -163,25 +182,25 @@ struct Trip {
 struct DriveOutputs {
   // to the stage
   bool gates_on = false;
-  double stage_frequency_hz = 0;    // signed
+  double stage_frequency_hz = 0;  // signed
   double stage_voltage_peak_v = 0;
   bool chopper_enabled = false;
   // status
   RunState state = RunState::kStopped;
-  bool running = false;             // RUN
-  double output_frequency_hz = 0;   // signed, compensated; what the monitor shows is its magnitude
-  double ramp_frequency_hz = 0;     // signed, generator output
+  bool running = false;            // RUN
+  double output_frequency_hz = 0;  // signed, compensated; what the monitor shows is its magnitude
+  double ramp_frequency_hz = 0;    // signed, generator output
   bool up_to_frequency = false;
-  bool overload = false;            // OL
-  bool power_failure = false;       // IPF
-  bool frequency_detected = false;  // FU
-  bool current_detected = false;    // Y12
-  bool zero_current = false;        // Y13
-  bool thermal_pre_alarm = false;   // TH at 85 %
-  double motor_thermal_fraction = 0;    // of trip
+  bool overload = false;              // OL
+  bool power_failure = false;         // IPF
+  bool frequency_detected = false;    // FU
+  bool current_detected = false;      // Y12
+  bool zero_current = false;          // Y13
+  bool thermal_pre_alarm = false;     // TH at 85 %
+  double motor_thermal_fraction = 0;  // of trip
   double inverter_thermal_fraction = 0;
-  double brake_duty_fraction = 0;       // of the permitted duty
-  std::optional<Trip> trip;         // new in this tick
+  double brake_duty_fraction = 0;  // of the permitted duty
+  std::optional<Trip> trip;        // new in this tick
 };
 
 }  // namespace vinv::drive

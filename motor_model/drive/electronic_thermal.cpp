@@ -22,8 +22,8 @@ double ElectronicThermal::continuous_current(double frequency_hz) {
     const Point& low = kSelfCooled[i - 1];
     const Point& high = kSelfCooled[i];
     if (frequency_hz < high.frequency_hz) {
-      return low.current + (high.current - low.current) * (frequency_hz - low.frequency_hz) /
-                               (high.frequency_hz - low.frequency_hz);
+      return low.current +
+             (high.current - low.current) * (frequency_hz - low.frequency_hz) / (high.frequency_hz - low.frequency_hz);
     }
   }
   return kSelfCooled.back().current;

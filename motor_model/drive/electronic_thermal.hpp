@@ -6,7 +6,7 @@ namespace vinv::drive {
 class ElectronicThermal {
  public:
   static constexpr double kTimeConstant_s = 326;
-  static constexpr double kTripState = 1.21;      // 110 % of the rated current, squared
+  static constexpr double kTripState = 1.21;  // 110 % of the rated current, squared
   static constexpr double kPreAlarmFraction = 0.85;
 
   // Current that a self-cooled motor stands continuously at this output frequency, part of its rated current.

@@ -7,8 +7,9 @@
 namespace vinv::drive {
 namespace {
 
-constexpr double kBelowTrip = 0.85;     // of the over-current level
-constexpr double kRecovery_s = 0.05;    // from no voltage to full voltage
+constexpr double kBelowTrip = 0.85;  // of the over-current level
+constexpr double kLookAhead_ticks = 2;
+constexpr double kRecovery_s = 0.05;  // from no voltage to full voltage
 
 }  // namespace
 
@@ -24,9 +25,9 @@ double FastCurrentLimit::step(double dt_s, const DriveSettings& settings, double
     clear();
     return 1;
   }
-  // One tick ahead: the vector rises within a few ticks, and the limit must act before the comparator does.
+  // Ahead of the sample: the vector rises within a few ticks, and the limit must act before the comparator does.
   const double rise = std::max(current_peak_a - last_peak_a_, 0.0);
-  const double expected = current_peak_a + rise;
+  const double expected = current_peak_a + kLookAhead_ticks * rise;
   last_peak_a_ = current_peak_a;
   if (expected > limit && active_current_a_rms >= 0) {
     factor_ *= limit / expected;

@@ -11,7 +11,7 @@ class InverterOverload {
   // start_ratio: above it the accumulator fills, below it empties.
   void step(double dt_s, double current_ratio, double start_ratio);
   void clear() { fraction_ = 0; }
-  double fraction() const { return fraction_; }   // trip at 1
+  double fraction() const { return fraction_; }  // trip at 1
   bool tripped() const { return fraction_ >= 1; }
 
  private:

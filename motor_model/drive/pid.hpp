@@ -7,19 +7,19 @@
 namespace vinv::drive {
 
 enum class PidAction : std::uint8_t {
-  kReverse,   // a measured value below the set point raises the output (heating, pressure); Pr.128 = 20
-  kForward,   // ... lowers it (cooling); Pr.128 = 21
+  kReverse,  // a measured value below the set point raises the output (heating, pressure); Pr.128 = 20
+  kForward,  // ... lowers it (cooling); Pr.128 = 21
 };
 
 struct PidSettings {
   PidAction action = PidAction::kReverse;
-  double proportional_band_percent = 100;   // deviation that alone moves the output by 100 %; 0: no proportional part
-  double integral_s = 1;                    // the integral repeats the proportional part in this time; 0: none
-  double derivative_s = 0;                  // 0: none
+  double proportional_band_percent = 100;  // deviation that alone moves the output by 100 %; 0: no proportional part
+  double integral_s = 1;                   // the integral repeats the proportional part in this time; 0: none
+  double derivative_s = 0;                 // 0: none
   double output_min_percent = 0;
   double output_max_percent = 100;
-  double upper_limit_percent = 1e9;         // of the measured value: FUP above it
-  double lower_limit_percent = -1e9;        // FDN below it
+  double upper_limit_percent = 1e9;   // of the measured value: FUP above it
+  double lower_limit_percent = -1e9;  // FDN below it
 };
 
 class Pid {
@@ -31,13 +31,13 @@ class Pid {
   void reset() { *this = Pid{}; }
 
   double output_percent() const { return output_; }
-  double deviation_percent() const { return deviation_; }   // positive raises the output
-  bool above_upper_limit() const { return fup_; }           // FUP
-  bool below_lower_limit() const { return fdn_; }           // FDN
+  double deviation_percent() const { return deviation_; }  // positive raises the output
+  bool above_upper_limit() const { return fup_; }          // FUP
+  bool below_lower_limit() const { return fdn_; }          // FDN
 
  private:
-  double integral_ = 0;             // percent of output
-  double derivative_ = 0;           // filtered rate of the measured value, percent/s
+  double integral_ = 0;    // percent of output
+  double derivative_ = 0;  // filtered rate of the measured value, percent/s
   double last_measured_ = 0;
   double output_ = 0;
   double deviation_ = 0;

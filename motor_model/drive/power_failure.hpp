@@ -1,6 +1,8 @@
-// Instantaneous power failure (E500 Pr.57, 58), judged by the DC link: the output goes off without an alarm, and the drive
-// restarts the coasting motor by itself or waits for a new start edge.
+// Instantaneous power failure (E500 Pr.57, 58), judged by the DC link: the output goes off without an alarm, and the
+// drive restarts the coasting motor by itself or waits for a new start edge.
 #pragma once
+
+#include <algorithm>
 
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
@@ -20,10 +22,10 @@ class LinkSupervision {
 class PowerFailure {
  public:
   enum class Verdict : std::uint8_t {
-    kOff,       // output stays off
-    kResume,    // the dip was too short to matter: go on as before
-    kRestart,   // catch the coasting motor
-    kStopped,   // over; a start is a new start
+    kOff,      // output stays off
+    kResume,   // the dip was too short to matter: go on as before
+    kRestart,  // catch the coasting motor
+    kStopped,  // over; a start is a new start
   };
 
   // The link fell while the output was on.
@@ -32,7 +34,7 @@ class PowerFailure {
   Verdict step(double dt_s, const DriveSettings& settings, bool link_low, bool start_on);
   void end();
 
-  bool failed() const { return phase_ == Phase::kFailed; }   // IPF
+  bool failed() const { return phase_ == Phase::kFailed; }  // IPF
   bool waiting() const { return phase_ == Phase::kFailed && waited_.held_s() > 0; }
 
  private:

@@ -35,10 +35,9 @@ std::optional<Trip> Protections::check(double dt_s, const DriveSettings& setting
     return Trip{kind, after, value, level, situation.state, situation.output_frequency_hz};
   };
   // These two count time, so they step in every tick.
-  const bool earth = earth_fault_.step(dt_s, settings.earth_fault_detection && situation.gates_on,
-                                       sensors.earth_fault);
-  const bool phase = phase_loss_.step(dt_s, settings.output_phase_loss_protection, situation.gates_on,
-                                      sensors.output_phase_open);
+  const bool earth = earth_fault_.step(dt_s, settings.earth_fault_detection && situation.gates_on, sensors.earth_fault);
+  const bool phase =
+      phase_loss_.step(dt_s, settings.output_phase_loss_protection, situation.gates_on, sensors.output_phase_open);
 
   const double oc_level = over_current_level_a_peak(settings);
   if (sensors.over_current || (oc_level > 0 && sensors.current_peak_a >= oc_level)) {
@@ -56,7 +55,7 @@ std::optional<Trip> Protections::check(double dt_s, const DriveSettings& setting
                 event ? sensors.comparator_after : Duration{});
   }
   if (earth) return trip(TripKind::kEarthFault, 1, 0);
-  if (sensors.chopper_failed && settings.chopper_fitted) return trip(TripKind::kBrakeTransistor, 1, 0);
+  if (sensors.chopper_failed) return trip(TripKind::kBrakeTransistor, 1, 0);
   if (command.external_thermal) return trip(TripKind::kExternalThermal, 1, 0);
   if (sensors.heat_sink_c >= settings.heat_sink_trip_c) {
     return trip(TripKind::kHeatSink, sensors.heat_sink_c, settings.heat_sink_trip_c);

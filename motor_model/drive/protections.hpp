@@ -46,7 +46,7 @@ class Protections {
   struct Situation {
     RunState state = RunState::kStopped;
     bool gates_on = false;
-    double output_frequency_hz = 0;   // signed
+    double output_frequency_hz = 0;  // signed
   };
 
   // The output comes on at the end of this tick.

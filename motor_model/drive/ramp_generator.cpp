@@ -11,6 +11,7 @@ namespace {
 
 // Arrival within this part of a step counts: sums of ticks are not exact.
 constexpr double kArrivalSlack = 1e-9;
+constexpr double kMuchFurther = 1.25;
 
 double rate_hz_s(double reference_hz, double time_s) {
   if (time_s <= 0 || reference_hz <= 0) return std::numeric_limits<double>::infinity();
@@ -46,8 +47,7 @@ void RampGenerator::step(double dt_s, double target_hz, const RampTimes& times) 
     if (motion == Motion::kConstant) planned_ = false;
     return;
   }
-  const double rate =
-      motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
+  const double rate = motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
   if (times.pattern == RampPattern::kSCurveB) {
     step_s_curve_b(dt_s, target, rate);
     return;
@@ -94,12 +94,16 @@ void RampGenerator::step_s_curve_b(double dt_s, double target_hz, double rate_hz
   if (!same_direction) {
     plan_progress_ = 0;
     plan_change_hz_ = remaining_hz;
+    plan_first_change_hz_ = remaining_hz;
   } else if (target_hz != plan_target_hz_) {
     // A moved target keeps the present slope, which depends on the progress alone; the curve would otherwise begin anew
-    // at every tick under a moving reference. Further away, the slope belongs to the first half of the new curve.
-    const bool further = std::abs(remaining_hz) > std::abs(plan_target_hz_ - frequency_hz_);
-    if (further && plan_progress_ > 0.5) plan_progress_ = 1 - plan_progress_;
+    // at every tick under a moving reference. Much further away, the slope belongs to the first half of the new curve.
     plan_change_hz_ = remaining_hz / s_curve_b_remaining(plan_progress_);
+    if (plan_progress_ > 0.5 && std::abs(plan_change_hz_) > kMuchFurther * std::abs(plan_first_change_hz_)) {
+      plan_progress_ = 1 - plan_progress_;
+      plan_change_hz_ = remaining_hz / s_curve_b_remaining(plan_progress_);
+      plan_first_change_hz_ = plan_change_hz_;
+    }
   }
   planned_ = true;
   plan_target_hz_ = target_hz;

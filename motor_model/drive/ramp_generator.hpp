@@ -37,10 +37,11 @@ class RampGenerator {
   void step_s_curve_a(double dt_s, double target_hz, Motion motion, const RampTimes& times);
   void step_s_curve_b(double dt_s, double target_hz, double rate_hz_s);
 
-  // S-curve B under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
   double frequency_hz_ = 0;
+  // S-curve B under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
   double plan_target_hz_ = 0;
   double plan_change_hz_ = 0;
+  double plan_first_change_hz_ = 0;  // before the target moved
   double plan_progress_ = 0;
   bool planned_ = false;
 };

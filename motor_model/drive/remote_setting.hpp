@@ -1,5 +1,5 @@
-// Remote setting (E500 Pr.59): RH raises a frequency, RM lowers it, RL clears it, as a motor potentiometer. The result is
-// added to the main speed by the personality.
+// Remote setting (E500 Pr.59): RH raises a frequency, RM lowers it, RL clears it, as a motor potentiometer. The result
+// is added to the main speed by the personality.
 #pragma once
 
 #include <optional>
@@ -7,17 +7,17 @@
 namespace vinv::drive {
 
 struct RemoteSettings {
-  bool memory = true;             // Pr.59 = 1: the frequency survives power-off; 2: it does not
-  double raise_rate_hz_s = 10;    // by Pr.44 or 7; infinite: at once
-  double lower_rate_hz_s = 10;    // by Pr.45, 44 or 8
-  double max_hz = 120;            // what is left up to the maximum frequency
+  bool memory = true;           // Pr.59 = 1: the frequency survives power-off; 2: it does not
+  double raise_rate_hz_s = 10;  // by Pr.44 or 7; infinite: at once
+  double lower_rate_hz_s = 10;  // by Pr.45, 44 or 8
+  double max_hz = 120;          // what is left up to the maximum frequency
 };
 
 struct RemoteInputs {
-  bool raise = false;             // RH
-  bool lower = false;             // RM; both: no change
-  bool clear = false;             // RL, before the others
-  bool start = false;             // a start signal is on
+  bool raise = false;  // RH
+  bool lower = false;  // RM; both: no change
+  bool clear = false;  // RL, before the others
+  bool start = false;  // a start signal is on
 };
 
 class RemoteSetting {

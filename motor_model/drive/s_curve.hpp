@@ -3,11 +3,10 @@
 
 namespace vinv::drive {
 
-// S-curve A (E500 Pr.29 = 1; main spindles): the inflection is at the base frequency fb, which is reached from 0 Hz after
-// T; above it t = 4/9 T (f/fb)^2 + 5/9 T. Both functions are monotonous and each other's inverse.
-// Unspecified: the shape below fb. Chosen: a parabola up to fb/8, then straight with the slope that the curve above fb
-// starts with, 9/8 fb/T; this reaches fb after exactly T.
-// frequency_hz, time_s >= 0; total_s, base_hz > 0.
+// S-curve A (E500 Pr.29 = 1; main spindles): the inflection is at the base frequency fb, which is reached from 0 Hz
+// after T; above it t = 4/9 T (f/fb)^2 + 5/9 T. Both functions are monotonous and each other's inverse. Unspecified:
+// the shape below fb. Chosen: a parabola up to fb/8, then straight with the slope that the curve above fb starts with,
+// 9/8 fb/T; this reaches fb after exactly T. frequency_hz, time_s >= 0; total_s, base_hz > 0.
 double s_curve_a_time_s(double frequency_hz, double total_s, double base_hz);
 double s_curve_a_frequency_hz(double time_s, double total_s, double base_hz);
 

@@ -8,10 +8,10 @@ namespace {
 
 constexpr double kLeast_hz_s = 0.1;
 constexpr double kMost_hz_s = 500;
-constexpr double kAim = 0.95;            // of the stall level
-constexpr double kLinkAim = 0.85;        // of the way from the nominal to the over-voltage level; the chopper is below
-constexpr double kAdaption_s = 0.05;     // at full margin the rate grows by e in this time
-constexpr double kWithdrawal = 4;        // an excess takes the rate back this much faster
+constexpr double kAim = 0.95;         // of the stall level
+constexpr double kLinkAim = 0.85;     // of the way from the nominal to the over-voltage level; the chopper is below
+constexpr double kAdaption_s = 0.05;  // at full margin the rate grows by e in this time
+constexpr double kWithdrawal = 4;     // an excess takes the rate back this much faster
 
 }  // namespace
 
@@ -36,8 +36,8 @@ RampTimes ShortestRamp::step(double dt_s, const DriveSettings& settings, const R
     link_high = left < 0;
   }
   const double gain = margin < 0 ? kWithdrawal * margin : margin;
-  rate_hz_s_ = std::clamp(rate_hz_s_ * std::exp(dt_s / kAdaption_s * std::clamp(gain, -2.0, 1.0)), kLeast_hz_s,
-                          kMost_hz_s);
+  rate_hz_s_ =
+      std::clamp(rate_hz_s_ * std::exp(dt_s / kAdaption_s * std::clamp(gain, -2.0, 1.0)), kLeast_hz_s, kMost_hz_s);
   RampTimes own = times;
   own.pattern = RampPattern::kLinear;
   own.reference_hz = link_high ? kLeast_hz_s : rate_hz_s_;

@@ -18,8 +18,7 @@ double rated_active_current_a_rms(const DriveSettings& s) {
 
 }  // namespace
 
-double SlipCompensation::step(double dt_s, const DriveSettings& settings, double ramp_hz,
-                              double active_current_a_rms) {
+double SlipCompensation::step(double dt_s, const DriveSettings& settings, double ramp_hz, double active_current_a_rms) {
   const double rated = rated_active_current_a_rms(settings);
   const bool off = settings.rated_slip_hz <= 0 || rated <= 0 ||
                    (!settings.slip_in_constant_output && ramp_hz > settings.base_frequency_hz);

@@ -1,5 +1,5 @@
-// Stall prevention: changes the frequency so that the output current stays near its level (E500 Pr.22, 23, 66, 156), and
-// for families that have it holds a deceleration while the DC link is too high.
+// Stall prevention: changes the frequency so that the output current stays near its level (E500 Pr.22, 23, 66, 156),
+// and for families that have it holds a deceleration while the DC link is too high.
 #pragma once
 
 #include "motor_model/drive/drive_types.hpp"
@@ -21,15 +21,21 @@ class StallPrevention {
  public:
   struct Decision {
     RampAction action = RampAction::kFollow;
-    bool active = false;    // OL
-    bool trip = false;      // stall prevention stop
-    double level_a_rms = 0; // at this frequency; 0: off
+    bool active = false;     // OL
+    bool trip = false;       // stall prevention stop
+    double level_a_rms = 0;  // at this frequency; 0: off
   };
 
   // Every tick, running or not.
   void observe(double dt_s, double current_a_rms);
-  // While the ramp runs. motion: what the ramp does apart from stall prevention; frequency_hz: its magnitude.
-  Decision step(double dt_s, const DriveSettings& settings, Motion motion, double frequency_hz, double dc_link_v);
+  struct Situation {
+    Motion motion = Motion::kConstant;  // what the ramp does apart from stall prevention
+    double frequency_hz = 0;            // its magnitude
+    bool regenerating = false;
+    double dc_link_v = 0;
+  };
+  // While the ramp runs.
+  Decision step(double dt_s, const DriveSettings& settings, const Situation& situation);
   // The output went off or the frequency is no longer the ramp's.
   void release();
 

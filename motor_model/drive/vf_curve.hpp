@@ -6,7 +6,8 @@
 namespace vinv::drive {
 
 // Line-to-line rms voltage. frequency_hz >= 0; rotation is the direction of the output, for the hoist patterns.
-// current_a_rms serves the stator resistance compensation; where that is on, the boost is a lower bound, not an addition.
+// current_a_rms serves the stator resistance compensation; where that is on, the boost is a lower bound, not an
+// addition.
 double vf_voltage_v_rms(const DriveSettings& settings, double frequency_hz, RunDirection rotation,
                         double current_a_rms);
 

@@ -56,10 +56,11 @@ inline ShaftTorques shaft_torques(const LoadModel& l, double t, double omega_mec
           (l.linear_nm_s + l.quadratic_nm_s2 * std::abs(omega_mech)) * omega_mech + l.hoist_nm + sign * dry_load(l, t)};
 }
 
-// What holds a standing shaft.
+// What holds a standing shaft. Never quite nothing: breaking away is a root, which must rise from below zero.
+inline constexpr double kLeastHoldingNm = 1e-6;
 inline double holding_torque(const LoadModel& l, double t) {
   const double dry = l.coulomb_nm + dry_load(l, t);
-  return dry > 0 ? dry : 0;
+  return dry > kLeastHoldingNm ? dry : kLeastHoldingNm;
 }
 
 // Copies settings; the mode follows from the speed.

@@ -11,7 +11,7 @@ struct PowerPlant::Impl {
 
   // Inputs.
   void set_stage(const StageInput& next);
-  void take_stage();                     // what the right-hand side and the switches need of it
+  void take_stage_levels();              // what does not ramp
   void set_mains(const MainsState& next);
   void set_load(const LoadSettings& next);
   void set_shaft_locked(bool locked);
@@ -19,6 +19,9 @@ struct PowerPlant::Impl {
 
   // One advance().
   Events advance(Duration dt);
+  void apply_stage(Duration dt);         // starts the way of frequency and voltage to the new values
+  void end_stage_way();
+  void rebase();                         // solver time 0 is now
   void begin_anew();                     // settles switches and shaft, restarts the solver at time_
   void integrate_to(Duration end);
   void on_roots(std::uint32_t roots);
@@ -39,6 +42,7 @@ struct PowerPlant::Impl {
   // Inputs as held.
   PlantConfig config;                    // load, mains and ambient inside follow the inputs
   StageInput stage;
+  bool stage_jumps = true;               // frequency or voltage step to the new value instead of ramping
 
   PlantModel model;
   SwitchLevels levels;
@@ -51,6 +55,7 @@ struct PowerPlant::Impl {
   double t = 0;
   bool anew = true;                      // an input has jumped since the last advance
   Duration table_end{};                  // next point of the load table
+  Duration way_end = Duration::max();    // frequency and voltage have arrived
 
   Duration advance_start{};
   Events events;

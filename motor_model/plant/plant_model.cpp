@@ -15,9 +15,10 @@ namespace {
 
   if (m.gates_on) {
     f.i = currents(m.machine, psi);
-    const double modulated = modulation(m.commanded_peak_v, v);
+    const double since = t - m.t_input;
+    const double modulated = modulation(m.commanded_peak_v + m.commanded_peak_slope * since, v);
     f.stage_peak_v = modulated * v;
-    f.d_psi = flux_derivative(m.machine, psi, f.i, f.stage_peak_v, m.omega_k, omega);
+    f.d_psi = flux_derivative(m.machine, psi, f.i, f.stage_peak_v, m.omega_k + m.omega_k_slope * since, omega);
     f.torque_nm = air_gap_torque(m.machine, psi, f.i);
     f.current_squared = f.i.i_sd * f.i.i_sd + f.i.i_sq * f.i.i_sq;
     f.output_w = 1.5 * f.stage_peak_v * f.i.i_sd;

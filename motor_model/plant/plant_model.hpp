@@ -47,8 +47,11 @@ struct PlantModel {
   // Stage.
   bool gates_on = false;
   bool chopper_on = false;
-  double omega_k = 0;                  // rad/s
+  double omega_k = 0;                  // rad/s, at t_input
   double commanded_peak_v = 0;
+  double omega_k_slope = 0;            // per second, on the way there
+  double commanded_peak_slope = 0;
+  double t_input = 0;
   double inverter_loss_fraction = 0;
   double iron_w_per_wb2 = 0;           // at the present frequency
 

@@ -97,12 +97,16 @@ void PowerPlant::Impl::settle_shaft() {
   }
 }
 
-void PowerPlant::Impl::begin_anew() {
-  const double kept_table = dry_load(model.load, t) - model.load.constant_nm;
+void PowerPlant::Impl::rebase() {
+  const double passed = to_seconds(time - base);
+  model.t_input -= passed;
   base = time;
   t = 0;
-  model.load.table_nm = kept_table;
-  model.load.table_t_ref = 0;
+  enter_table_segment();  // computed anew rather than shifted: the same numbers as after a restore
+}
+
+void PowerPlant::Impl::begin_anew() {
+  if (base != time) rebase();
   settle_link(y()[state::kDcLink]);
   refresh_model();
   if (current_too_high()) shut_for_over_current();
@@ -172,10 +176,14 @@ void PowerPlant::Impl::integrate_to(Duration end) {
 PowerPlant::Events PowerPlant::Impl::advance(Duration dt) {
   events.count = 0;
   advance_start = time;
+  if (dt <= Duration::zero()) return events;
+  if (anew) rebase();
+  apply_stage(dt);  // may find a jump
   if (anew) begin_anew();
   const Duration end = time + dt;
   while (time < end) {
-    integrate_to(std::min(end, table_end));
+    integrate_to(std::min({end, table_end, way_end}));
+    if (time == way_end) end_stage_way();
     if (time == table_end) {
       const double before = dry_load(model.load, to_seconds(time - base));
       enter_table_segment();
@@ -196,14 +204,14 @@ void PowerPlant::Impl::measure() {
   out.output_current_a_rms = out.current_peak_a / std::numbers::sqrt2;
   out.active_current_a_rms = f.i.i_sd / std::numbers::sqrt2;
   out.output_voltage_v_rms = f.stage_peak_v * std::numbers::sqrt3 / std::numbers::sqrt2;
-  out.dc_link_v = s[state::kDcLink];
+  out.dc_link_v = std::max(0.0, s[state::kDcLink]);  // an empty capacitor is zero within tolerance
   out.speed_rpm = omega * kRpmPerRadS;
   out.torque_nm = f.torque_nm;
   out.load_torque_nm = f.shaft.load_nm;
   if (!model.load.locked && model.load.mode == ShaftMode::kHeld) {
     // The part of the reaction that the driven machine takes.
     const double holding = holding_torque(model.load, t);
-    const double share = holding > 0 ? std::max(0.0, dry_load(model.load, t)) / holding : 0;
+    const double share = std::max(0.0, dry_load(model.load, t)) / holding;
     out.load_torque_nm = model.load.hoist_nm + std::min(1.0, share) * (f.torque_nm - model.load.hoist_nm);
   }
   out.shaft_power_w = (f.torque_nm - f.shaft.friction_nm) * omega;

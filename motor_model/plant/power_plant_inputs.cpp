@@ -1,4 +1,5 @@
 // How inputs enter the plant: which of them jump and restart the solver, and which merely change.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -10,11 +11,13 @@ namespace vinv::plant {
 
 namespace {
 
-// Frequency and voltage follow a ramp in small stairs, which the solver takes in its stride: below these steps per call
-// its error stays under its own tolerance (docs/decisions/0001-plant-solver.md). Above, the input has jumped.
-constexpr double kStepOfRated = 0.005;
+// A change of an input by more than this part of its rated value is a jump, which restarts the solver.
+constexpr double kJumpOfRated = 0.01;
+// Smaller changes of frequency and voltage are stairs of a ramp: they are joined by a line over one control tick, so
+// that the solver sees a continuous input, and a ramp arrives at each tick's value at the end of that tick.
+constexpr Duration kWay = std::chrono::milliseconds(1);
 
-bool jumps(double from, double to, double rated) { return std::abs(to - from) > kStepOfRated * rated; }
+bool jumps(double from, double to, double rated) { return std::abs(to - from) > kJumpOfRated * rated; }
 
 double load_torque(const LoadSettings& l, double omega) {
   const double sign = omega > 0 ? 1 : omega < 0 ? -1 : 0;
@@ -33,25 +36,47 @@ bool same_table(const LoadSettings& a, const LoadSettings& b) {
 
 void PowerPlant::Impl::set_stage(const StageInput& next) {
   if (next == stage) return;
-  const auto& m = config.machine;
   if (!next.gates_on) switches.gates_latched = false;
   switches.gates_commanded = next.gates_on;
   const bool switched = switches.gates_on() != model.gates_on;
-  const bool moved = model.gates_on && (jumps(stage.frequency_hz, next.frequency_hz, m.rated_frequency_hz) ||
-                                        jumps(stage.voltage_peak_v, next.voltage_peak_v,
-                                              phase_peak(m.rated_voltage_v_rms)));
   const bool chopper = next.chopper_enabled != stage.chopper_enabled || next.chopper_on_v != stage.chopper_on_v ||
                        next.chopper_off_v != stage.chopper_off_v;
   stage = next;
-  take_stage();
-  anew = anew || switched || moved || chopper;
+  take_stage_levels();
+  stage_jumps = stage_jumps || switched;
+  anew = anew || switched || chopper;
 }
 
-void PowerPlant::Impl::take_stage() {
-  model.omega_k = 2 * std::numbers::pi * stage.frequency_hz;
-  model.commanded_peak_v = stage.voltage_peak_v > 0 ? stage.voltage_peak_v : 0;
+void PowerPlant::Impl::take_stage_levels() {
   model.iron_w_per_wb2 = iron_loss_coefficient(config.machine, config.losses, stage.frequency_hz);
   levels = switch_levels(config, stage);
+}
+
+void PowerPlant::Impl::apply_stage(Duration dt) {
+  const double omega = 2 * std::numbers::pi * stage.frequency_hz;
+  const double voltage = stage.voltage_peak_v > 0 ? stage.voltage_peak_v : 0;
+  const auto& m = config.machine;
+  const bool jump = stage_jumps || !model.gates_on ||
+                    jumps(model.omega_k, omega, 2 * std::numbers::pi * m.rated_frequency_hz) ||
+                    jumps(model.commanded_peak_v, voltage, phase_peak(m.rated_voltage_v_rms));
+  stage_jumps = false;
+  if (omega == model.omega_k && voltage == model.commanded_peak_v) return;
+  if (jump) {
+    if (model.gates_on) anew = true;
+  } else {
+    const Duration way = std::min(dt, kWay);
+    way_end = time + way;
+    model.omega_k_slope = (omega - model.omega_k) / to_seconds(way);
+    model.commanded_peak_slope = (voltage - model.commanded_peak_v) / to_seconds(way);
+    model.t_input = to_seconds(way_end - base);
+  }
+  model.omega_k = omega;
+  model.commanded_peak_v = voltage;
+}
+
+void PowerPlant::Impl::end_stage_way() {
+  model.omega_k_slope = model.commanded_peak_slope = 0;
+  way_end = Duration::max();
 }
 
 void PowerPlant::Impl::set_mains(const MainsState& next) {

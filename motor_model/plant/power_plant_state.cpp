@@ -70,6 +70,9 @@ void visit(Pass& pass, Impl& p) {
   pass.value(p.stage.chopper_enabled);
   pass.value(p.stage.chopper_on_v);
   pass.value(p.stage.chopper_off_v);
+  pass.value(p.stage_jumps);
+  pass.value(p.model.omega_k);
+  pass.value(p.model.commanded_peak_v);
   pass.value(p.config.mains.voltage_v_rms);
   for (auto& phase : p.config.mains.phase_present) pass.value(phase);
   pass.value(p.config.ambient_c);
@@ -113,7 +116,8 @@ void PowerPlant::restore(const State& saved) {
   plant::set_load(p.model.load, p.config.load, p.config.losses, p.config.machine.inertia_kg_m2);
   p.enter_table_segment();
   p.model.thermal.ambient_c = p.config.ambient_c;
-  p.take_stage();
+  p.take_stage_levels();
+  p.end_stage_way();
   p.refresh_rectifier();
   p.model.chopper_on = p.switches.chopper_on;
   p.anew = true;

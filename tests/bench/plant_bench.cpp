@@ -38,7 +38,7 @@ PowerPlant charged(double source_resistance_ohm, const SolverSettings& solver) {
 
 struct Profile {
   double ramp_hz(int tick) const {
-    const double t = (tick + 0.5) * 1e-3;
+    const double t = (tick + 1) * 1e-3;
     return std::max(0.0, std::min({10 * t, 50.0, 5 * (55 - t)}));
   }
   void set(PowerPlant& plant, int tick) const {

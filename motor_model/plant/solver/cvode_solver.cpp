@@ -12,6 +12,7 @@
 #include <string>
 
 #include "motor_model/plant/solver/solver.hpp"
+#include "motor_model/plant/solver/vector_ops.hpp"
 #include "sim/base/check.hpp"
 
 namespace vinv::plant {
@@ -27,7 +28,7 @@ class CvodeSolver final : public Solver {
     const auto n = static_cast<sunindextype>(system.states);
     y_ = N_VNew_Serial(n, context_);
     VINV_CHECK(y_ != nullptr);
-    N_VEnableFusedOps_Serial(y_, SUNTRUE);
+    use_short_vector_operations(y_);
     N_VConst(0, y_);
     matrix_ = SUNDenseMatrix(n, n, context_);
     linear_ = SUNLinSol_Dense(y_, matrix_, context_);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "motor_model/plant/solver/solver.hpp"
+#include "motor_model/plant/solver/vector_ops.hpp"
 #include "sim/base/check.hpp"
 
 namespace vinv::plant {
@@ -26,7 +27,7 @@ class ErkSolver final : public Solver {
     VINV_CHECK(SUNContext_Create(nullptr, &context_) == 0);
     y_ = N_VNew_Serial(static_cast<sunindextype>(system.states), context_);
     VINV_CHECK(y_ != nullptr);
-    N_VEnableFusedOps_Serial(y_, SUNTRUE);
+    use_short_vector_operations(y_);
     N_VConst(0, y_);
     memory_ = ERKStepCreate(right_hand_side, 0, y_, context_);
     VINV_CHECK(memory_ != nullptr);

@@ -46,11 +46,23 @@ void PlantTrace::start(const FluxPair& psi, double omega_mech, double link_v) {
 }
 
 bool PlantTrace::run_to(double t) {
-  if (t - t_ <= kShortestAdvance) return false;
-  const SolverStop stop = solver_->advance(t);
-  if (stop.failed) throw std::runtime_error(solver_->error());
-  t_ = stop.t;
-  return stop.roots != 0;
+  while (t - t_ > kShortestAdvance) {
+    const SolverStop stop = solver_->advance(t);
+    if (stop.failed) throw std::runtime_error(solver_->error());
+    t_ = stop.t;
+    if ((stop.roots >> root::kLinkAbove & 1u) != 0) return true;
+    if ((stop.roots >> root::kShaft & 1u) != 0) turn_or_hold();
+  }
+  return false;
+}
+
+// The shaft has come to rest, or dry torque no longer holds it.
+void PlantTrace::turn_or_hold() {
+  const double net = net_torque_at_rest(at(t_), y());
+  const bool held = model.load.mode != ShaftMode::kHeld && std::abs(net) <= holding_torque(model.load, t_);
+  model.load.mode = held ? ShaftMode::kHeld : net > 0 ? ShaftMode::kForward : ShaftMode::kReverse;
+  y()[state::kOmegaMech] = 0;
+  solver_->restart(t_);
 }
 
 void PlantTrace::turn_frame(double angle_rad) {

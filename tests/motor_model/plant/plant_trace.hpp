@@ -40,7 +40,7 @@ class PlantTrace {
   void start(const FluxPair& psi = {}, double omega_mech = 0, double link_v = 1e6);
   // An input has a kink or step here: the solver starts anew.
   void jump() { solver_->restart(t_); }
-  // Integrates to t. With a watched level: stops there, and returns true.
+  // Integrates to t; a shaft that comes to rest under dry load is held. With a watched level: stops there, returns true.
   bool run_to(double t);
   // The frame turns by this angle against the fluxes (a voltage vector that jumps in direction).
   void turn_frame(double angle_rad);
@@ -54,6 +54,7 @@ class PlantTrace {
   std::uint64_t rhs_calls() const { return solver_->rhs_calls(); }
 
  private:
+  void turn_or_hold();
   const PlantModel& at(double t) const;
   static int right_hand_side(const void* self, double t, const double* y, double* dy);
   static int comparators(const void* self, double t, const double* y, double* g);

@@ -51,9 +51,6 @@ void expect_within(const Deviation& d, const ReferenceTable& data, double of_pea
   EXPECT_LE(d.torque, of_peak * peak(data.numbers("Te_Nm")));
   EXPECT_LE(d.current, of_peak * peak(data.numbers("is_abs_A")));
   EXPECT_LE(d.flux, of_peak * peak(data.numbers("psis_abs_Wb")));
-  std::printf("    speed %.1e torque %.1e current %.1e flux %.1e of peak\n", speed > 0 ? d.speed / speed : 0,
-              d.torque / peak(data.numbers("Te_Nm")), d.current / peak(data.numbers("is_abs_A")),
-              d.flux / peak(data.numbers("psis_abs_Wb")));
 }
 
 const auto kNothing = [](double) {};
@@ -120,7 +117,6 @@ TEST_P(Trajectory, DecelerationIntoTheLinkFollowsD) {
   };
   expect_within(follow(trace, data, compare, data.rows()), data, kOfPeak);
   EXPECT_LE(worst_link, kOfPeak * 820);
-  std::printf("    link %.1e\n", worst_link / 820);
 }
 
 TEST_P(Trajectory, LinkLevelsOfDAreReachedOnTime) {
@@ -138,7 +134,6 @@ TEST_P(Trajectory, LinkLevelsOfDAreReachedOnTime) {
     while (!reached && trace.t() < 0.2) reached = trace.run_to(std::floor(trace.t() * 1000 + 1.0001) / 1000);
     ASSERT_TRUE(reached) << level;
     EXPECT_NEAR(trace.t(), time, 1e-4) << level;
-    std::printf("    %g V: %.1e s\n", level, trace.t() - time);
     trace.jump();
   }
 }
@@ -194,7 +189,6 @@ TEST_P(Trajectory, VoltageReplayFollowsX0) {
   EXPECT_LE(worst_speed, kOfPeak * peak(omega));
   EXPECT_LE(worst_torque, kOfPeak * peak(torque));
   EXPECT_LE(worst_current, kOfPeak * peak_current);
-  std::printf("    speed %.1e torque %.1e current %.1e\n", worst_speed / peak(omega), worst_torque / peak(torque), worst_current / peak_current);
 }
 
 std::string solver_name(const testing::TestParamInfo<SolverChoice>& parameter) {
