@@ -44,9 +44,7 @@ void RtuServer::stop() {
   state_ = State{};
 }
 
-Instant RtuServer::frame_ends_at() const {
-  return state_.last_character_at + silence_.t3_5 + settings_.receive_slack;
-}
+Instant RtuServer::frame_ends_at() const { return state_.last_character_at + silence_.t3_5 + settings_.receive_slack; }
 
 void RtuServer::handle_bytes(Instant now, ByteView bytes, bool line_error) {
   if (!state_.open || (bytes.empty() && !line_error)) return;
@@ -109,16 +107,17 @@ std::optional<Bytes> RtuServer::poll_transmit(Instant now) {
   handle_timeout(now);
   if (state_.transaction == Transaction::kAwaitingUnit) {
     Unit& unit = *units_[state_.unit_index];
-    if (unit.address() == 0) {
-      unit.forget(client_);
-      state_.transaction = Transaction::kNone;
-    } else if (const std::optional<Bytes> pdu = unit.poll_answer(now, client_)) {
+    const bool listens = unit.address() != 0;
+    if (const auto pdu = listens ? unit.poll_answer(now, client_) : std::nullopt) {
       state_.answer.clear();
       state_.answer.push_back(state_.unit_address);
       state_.answer.insert(state_.answer.end(), pdu->begin(), pdu->end());
       append_le16(state_.answer, crc16(state_.answer));
       state_.answer_at = now + settings_.answer_delay;
       state_.transaction = Transaction::kAnswering;
+    } else if (!listens || !unit.has_request(client_)) {
+      unit.forget(client_);
+      state_.transaction = Transaction::kNone;
     }
   }
   if (state_.transaction != Transaction::kAnswering || state_.receiving || now < state_.answer_at) return std::nullopt;

@@ -80,9 +80,9 @@ std::optional<Bytes> TcpSession::poll_transmit(Instant now) {
     request.unit = router_.route(request.unit_id);
     if (request.unit != nullptr) request.unit->handle_request(now, client_, Addressing::kUnit, request.pdu);
   }
-  if (request.unit != nullptr && request.unit->address() != 0) {
-    answer = request.unit->poll_answer(now, client_);
-  } else {
+  const bool listens = request.unit != nullptr && request.unit->address() != 0;
+  if (listens) answer = request.unit->poll_answer(now, client_);
+  if (!answer && (!listens || !request.unit->has_request(client_))) {
     // Nobody there, or switched off with our request: the gateway's own answer.
     if (request.unit != nullptr) request.unit->forget(client_);
     answer = emit_exception(function_of(request.pdu), Exception::kGatewayTargetFailedToRespond);

@@ -22,13 +22,15 @@ class Unit {
  public:
   virtual ~Unit() = default;
 
-  // The unit's address now, 1-247; 0 while it does not listen (no supply, no valid address). Outstanding requests of a
-  // unit that stops listening are lost: whoever waits asks address() before poll_answer().
+  // The unit's address now, 1-247; 0 while it does not listen (no supply, no valid address).
   virtual std::uint8_t address() const = 0;
   // Starts a request; a client has at most one outstanding. A broadcast is executed and never answered.
   virtual void handle_request(Instant now, ClientId client, Addressing addressing, ByteView pdu) = 0;
   // The answer PDU for the client's request, once it is due; empty while the inverter has not decided or a delay runs.
   virtual std::optional<Bytes> poll_answer(Instant now, ClientId client) = 0;
+  // False once the client's request is answered, or lost because the unit stopped listening meanwhile: no answer will
+  // come. A unit that never stops may leave it at true.
+  virtual bool has_request(ClientId /*client*/) const { return true; }
   // The client is gone: its request is still executed, its answer dropped.
   virtual void forget(ClientId client) = 0;
 };

@@ -34,6 +34,7 @@ class ModbusUnit final : public modbus::Unit {
   std::uint8_t address() const override { return state_.address; }
   void handle_request(Instant now, modbus::ClientId client, modbus::Addressing addressing, ByteView pdu) override;
   std::optional<Bytes> poll_answer(Instant now, modbus::ClientId client) override;
+  bool has_request(modbus::ClientId client) const override;
   void forget(modbus::ClientId client) override;
 
  private:

@@ -320,6 +320,18 @@ TEST_F(RtuServerTest, UnitThatStopsListeningLeavesTheLineFree) {
   EXPECT_EQ(frames_sent, 1);
 }
 
+TEST_F(RtuServerTest, RequestThatTheUnitLostLeavesTheLineFree) {
+  unit.answer_at_once = false;
+  receive(request);
+  advance(10ms);
+  unit.outstanding.clear();  // off and on again before anybody asked
+  drain();
+  unit.answer_at_once = true;
+  receive(request);
+  advance(10ms);
+  EXPECT_EQ(frames_sent, 1);
+}
+
 TEST_F(RtuServerTest, ReceiveSlackBridgesTheBurstsOfARealTty) {
   open({.baud = 19200, .bits_per_character = 11, .receive_slack = 16ms});
   receive({request.begin(), request.begin() + 5});

@@ -43,6 +43,9 @@ class ScriptedUnit final : public modbus::Unit {
     decided_.erase(found);
     return pdu;
   }
+  bool has_request(modbus::ClientId client) const override {
+    return outstanding.count(client) != 0 || decided_.count(client) != 0;
+  }
   void forget(modbus::ClientId client) override {
     forgotten.push_back(client);
     outstanding.erase(client);
