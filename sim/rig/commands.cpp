@@ -21,8 +21,8 @@ struct Refuse {
   CommandError error;
 };
 
-[[noreturn]] void invalid(const std::string& message) { throw Refuse{{CommandCode::kInvalidValue, message}}; }
-[[noreturn]] void refused(const std::string& message) { throw Refuse{{CommandCode::kRefused, message}}; }
+[[noreturn]] void invalid(const std::string& message) { throw Refuse{{CommandCode::kInvalidValue, sentence(message)}}; }
+[[noreturn]] void refused(const std::string& message) { throw Refuse{{CommandCode::kRefused, sentence(message)}}; }
 
 void demand(const inverter::Outcome& outcome) {
   if (!outcome) refused(outcome.error());
@@ -202,7 +202,7 @@ void set_terminal(const Context& c, std::string_view name, bool on) {
   if (outcome) return;
   Words known;
   for (const auto& t : c.inverter().terminals()) known.push_back(t.first);
-  refused(outcome.error() + suggestion(name, known));
+  refused(sentence(outcome.error()) + suggestion(name, known));
 }
 
 Json terminal(const Context& c) {

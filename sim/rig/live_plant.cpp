@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/rig/folders.hpp"
+#include "sim/rig/words.hpp"
 #include "sim/transports/serial_pty.hpp"
 #include "sim/transports/serial_tty.hpp"
 
@@ -54,8 +55,8 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
   plant_options.clock = [this] { return loop_.now(); };
   if (!options.fresh) plant_options.stored_eeprom = [this](const std::string& drive) { return store_->load(drive); };
   plant_options.damaged_eeprom = [this](const std::string& drive, const std::string& reason) {
-    notice_(drive + ": the stored EEPROM is damaged: " + reason + " It is kept as " + store_->keep_aside(drive) +
-            "; the drive starts with factory values and its storage alarm.");
+    notice_(drive + ": the stored EEPROM is damaged: " + sentence(reason) + " It is kept as " +
+            store_->keep_aside(drive) + "; the drive starts with factory values and its storage alarm.");
   };
   plant_ = std::make_unique<Plant>(std::move(file), loop_.scheduler(), std::move(plant_options));
   if (options.fresh)
@@ -64,8 +65,9 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
   make_private_folder(runtime);
   control_ = std::make_unique<ControlServer>(*plant_);
   control_listener_ = opened(transports::UnixSocketListener::open(
-      loop_, runtime + "/" + kControlSocketName,
-      [this](Instant now, std::unique_ptr<transports::ByteStream> stream) { control_->accept(now, std::move(stream)); }));
+      loop_, runtime + "/" + kControlSocketName, [this](Instant now, std::unique_ptr<transports::ByteStream> stream) {
+        control_->accept(now, std::move(stream));
+      }));
   open_tcp(options);
   open_serial(runtime);
   plant_->start();
@@ -137,7 +139,7 @@ void LivePlant::open_line(std::size_t index, const std::string& runtime_folder) 
   };
   options.on_settings = [this, carrier](const boards::LineSettings& settings) {
     const auto set = carrier->set_line_settings(transport_settings(settings));
-    if (!set) notice_(set.error());
+    if (!set) notice_(sentence(set.error()));
   };
   plant_->connect_serial(index, std::move(line), std::move(options));
   for (const auto& d : plant_->drives())
@@ -145,28 +147,32 @@ void LivePlant::open_line(std::size_t index, const std::string& runtime_folder) 
 }
 
 void LivePlant::schedule_housekeeping() {
-  housekeeping_ = loop_.scheduler().schedule_every(
-      loop_.scheduler().now() + kHousekeepingInterval, kHousekeepingInterval, kernel::Priority::kObserver,
-      [this](Instant) {
-        plant_->collect_eeproms([this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
-        if (const std::string failure = store_->take_failure(); !failure.empty()) notice_(failure);
-      });
+  housekeeping_ =
+      loop_.scheduler().schedule_every(loop_.scheduler().now() + kHousekeepingInterval, kHousekeepingInterval,
+                                       kernel::Priority::kObserver, [this](Instant) {
+                                         plant_->collect_eeproms([this](const std::string& drive, std::string text) {
+                                           store_->store(drive, std::move(text));
+                                         });
+                                         if (const std::string failure = store_->take_failure(); !failure.empty())
+                                           notice_(failure);
+                                       });
 }
 
 void LivePlant::when_ready(std::function<void()> ready) {
   const Instant give_up = loop_.scheduler().now() + kReadyTimeout;
-  ready_check_ = loop_.scheduler().schedule_every(
-      loop_.scheduler().now() + kReadyInterval, kReadyInterval, kernel::Priority::kObserver,
-      [this, give_up, ready = std::move(ready)](Instant now) {
-        if (!plant_->settled() && now < give_up) return;
-        const auto call = ready;  // the action may end with its event
-        loop_.scheduler().cancel(std::exchange(ready_check_, 0));
-        call();
-      });
+  ready_check_ = loop_.scheduler().schedule_every(loop_.scheduler().now() + kReadyInterval, kReadyInterval,
+                                                  kernel::Priority::kObserver,
+                                                  [this, give_up, ready = std::move(ready)](Instant now) {
+                                                    if (!plant_->settled() && now < give_up) return;
+                                                    const auto call = ready;  // the action may end with its event
+                                                    loop_.scheduler().cancel(std::exchange(ready_check_, 0));
+                                                    call();
+                                                  });
 }
 
 std::string LivePlant::store_eeproms() {
-  plant_->collect_eeproms([this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
+  plant_->collect_eeproms(
+      [this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
   return store_->flush();
 }
 
@@ -185,16 +191,20 @@ Json LivePlant::ready_json() const {
 std::string LivePlant::table() const {
   std::string out;
   for (const auto& d : plant_->drives()) {
-    out += fmt::format("{}  {} {}, motor {}\n", d->spec.name, d->inverter->family(), d->inverter->model(), d->spec.motor.value.name);
+    out += fmt::format("{}  {} {}, motor {}\n", d->spec.name, d->inverter->family(), d->inverter->model(),
+                       d->spec.motor.value.name);
     if (d->tcp)
-      out += fmt::format("  Modbus/TCP  {}:{} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
-                         d->tcp->host, d->tcp->port, d->unit(), d->tcp->port, d->unit(), d->tcp->host);
+      out += fmt::format(
+          "  Modbus/TCP  {}:{} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
+          d->tcp->host, d->tcp->port, d->unit(), d->tcp->port, d->unit(), d->tcp->host);
     if (d->serial) {
       const auto line = d->board->serial_channel()->line_settings();
       using Parity = boards::LineSettings::Parity;
       const char* parity = line.parity == Parity::kNone ? "none" : line.parity == Parity::kOdd ? "odd" : "even";
-      out += fmt::format("  Modbus RTU  {} unit {}, {} baud, parity {}\n              mbpoll -m rtu -b {} -P {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
-                         d->serial->path, d->unit(), line.baud, parity, line.baud, parity, d->unit(), d->serial->path);
+      out += fmt::format(
+          "  Modbus RTU  {} unit {}, {} baud, parity {}\n              mbpoll -m rtu -b {} -P {} -a {} -0 -r 24000 -c "
+          "1 -t 4 -1 {}\n",
+          d->serial->path, d->unit(), line.baud, parity, line.baud, parity, d->unit(), d->serial->path);
     }
     if (!d->board) out += "  no option board\n";
   }

@@ -18,10 +18,10 @@
 namespace vinv::rig {
 
 struct LiveOptions {
-  bool fresh = false;           // stored EEPROMs are not loaded, and overwritten
-  std::string state_folder;     // empty: default_state_folder
-  std::string runtime_folder;   // empty: default_runtime_folder
-  std::string record_ip;        // a pcapng file for all TCP traffic; empty: none
+  bool fresh = false;          // stored EEPROMs are not loaded, and overwritten
+  std::string state_folder;    // empty: default_state_folder
+  std::string runtime_folder;  // empty: default_runtime_folder
+  std::string record_ip;       // a pcapng file for all TCP traffic; empty: none
 };
 
 class LivePlant {

@@ -8,7 +8,11 @@
 namespace vinv::rig {
 
 Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
-    : file_(std::move(file)), scheduler_(scheduler), clock_(std::move(options.clock)), lines_(file_.serial.size()), drives_on_line_(file_.serial.size()) {
+    : file_(std::move(file)),
+      scheduler_(scheduler),
+      clock_(std::move(options.clock)),
+      lines_(file_.serial.size()),
+      drives_on_line_(file_.serial.size()) {
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
   for (const DriveSpec& spec : file_.drives) {
     drives_.push_back(build(spec, options));
@@ -33,7 +37,7 @@ Plant::~Plant() {
 
 std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOptions& options) {
   const auto refuse = [&](Position at, const std::string& message) {
-    throw PlantFileError(file_.path, {{at, spec.name + ": " + message}});
+    throw PlantFileError(file_.path, {{at, spec.name + ": " + sentence(message)}});
   };
   auto d = std::make_unique<DriveUnit>();
   d->spec = spec;
@@ -58,7 +62,9 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   auto made = options.catalogue.make_inverter(spec.family, config);
   if (!made) refuse(spec.model.at, made.error());
   d->inverter = std::move(made).value();
-  d->mains = d->inverter->plant().mains();
+  // Not what the plant has now: the breaker is open.
+  d->mains =
+      config.mains.value_or(plant::MainsState{.voltage_v_rms = d->inverter->plant().config().nominal_mains_v_rms});
 
   std::optional<std::string> stored;
   if (options.stored_eeprom) stored = options.stored_eeprom(spec.name);
@@ -83,7 +89,7 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
 // Plant-file parameters and the node are what a drive has when it starts for the first time.
 void Plant::first_values(DriveUnit& d) {
   const auto refuse = [&](Position at, const std::string& message) {
-    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + message}});
+    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + sentence(message)}});
   };
   if (d.spec.board) {
     const std::string_view node = node_parameter(d.spec.board->type.value);
@@ -97,13 +103,13 @@ void Plant::first_values(DriveUnit& d) {
 
 void Plant::inputs(DriveUnit& d) {
   const auto refuse = [&](Position at, const std::string& message) {
-    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + message}});
+    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + sentence(message)}});
   };
   for (const auto& [name, on] : d.spec.terminals) {
     if (const auto set = d.inverter->set_terminal(name.value, on); !set) {
       std::vector<std::string_view> known;
       for (const auto& t : d.inverter->terminals()) known.push_back(t.first);
-      refuse(name.at, set.error() + suggestion(name.value, known));
+      refuse(name.at, sentence(set.error()) + suggestion(name.value, known));
     }
   }
   for (const auto& [name, value] : d.spec.analog)
@@ -113,8 +119,9 @@ void Plant::inputs(DriveUnit& d) {
 void Plant::start() {
   for (const auto& d : drives_)
     if (d->spec.power) set_power(*d, true);
-  tick_event_ = scheduler_.schedule_every(scheduler_.now() + inverter::Inverter::kControlPeriod, inverter::Inverter::kControlPeriod,
-                                          kernel::Priority::kDrive, [this](Instant at) { tick(at); });
+  tick_event_ = scheduler_.schedule_every(scheduler_.now() + inverter::Inverter::kControlPeriod,
+                                          inverter::Inverter::kControlPeriod, kernel::Priority::kDrive,
+                                          [this](Instant at) { tick(at); });
 }
 
 DriveUnit* Plant::find(std::string_view name) {
@@ -171,13 +178,12 @@ void Plant::settle(Instant now, DriveUnit& d) {
   d.board_event = 0;
   if (!deadline) return;
   DriveUnit* drive = &d;
-  d.board_event =
-      scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard, [this, drive](Instant at) {
-        drive->board_event = 0;
-        drive->board_deadline.reset();
-        drive->board->handle_timeout(at);
-        settle(at, *drive);
-      });
+  d.board_event = scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard, [this, drive](Instant at) {
+    drive->board_event = 0;
+    drive->board_deadline.reset();
+    drive->board->handle_timeout(at);
+    settle(at, *drive);
+  });
 }
 
 void Plant::collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store) {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "sim/kernel/scheduler.hpp"
+#include "sim/rig/board_line.hpp"
 #include "sim/rig/catalogue.hpp"
 #include "sim/rig/drive_unit.hpp"
 #include "sim/rig/plant_file.hpp"
-#include "sim/rig/board_line.hpp"
 #include "sim/rig/tcp_port.hpp"
 
 namespace vinv::rig {

@@ -71,6 +71,11 @@ std::string allowed_words(std::string_view word, const std::vector<std::string_v
   return "allowed: " + join(allowed) + "." + suggestion(word, allowed);
 }
 
+std::string sentence(std::string text) {
+  if (!text.empty() && text.back() != '.' && text.back() != '?') text += '.';
+  return text;
+}
+
 bool parse_switch(std::string_view word, bool& on) {
   const std::string w = lower(word);
   if (w == "on" || w == "true" || w == "yes") return on = true, true;

@@ -10,8 +10,8 @@ namespace vinv::rig {
 // "a, b, c". More than limit words end in ", ... (n in all)".
 std::string join(const std::vector<std::string_view>& words, std::size_t limit = 24);
 
-// The allowed word nearest to the given one: case, missing endings, and up to a third of the letters are forgiven. Empty
-// if none is near.
+// The allowed word nearest to the given one: case, missing endings, and up to a third of the letters are forgiven.
+// Empty if none is near.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& allowed);
 
 // ` Did you mean "x"?`, or empty.
@@ -19,6 +19,9 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 
 // `allowed: a, b, c.` and the suggestion if there is one.
 std::string allowed_words(std::string_view word, const std::vector<std::string_view>& allowed);
+
+// The text with a full stop at its end.
+std::string sentence(std::string text);
 
 // on/off, true/false, yes/no in any of the usual spellings; empty otherwise.
 bool parse_switch(std::string_view word, bool& on);

@@ -55,7 +55,8 @@ rig::Json ControlClient::call(const std::string& method, const rig::Json& params
   for (std::size_t sent = 0; sent < line.size();) {
     const ssize_t n = ::send(fd_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) throw std::runtime_error("the plant does not take the command: " + std::string(std::strerror(errno)) + ".");
+    if (n <= 0)
+      throw std::runtime_error("the plant does not take the command: " + std::string(std::strerror(errno)) + ".");
     sent += static_cast<std::size_t>(n);
   }
   for (;;) {

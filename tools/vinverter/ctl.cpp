@@ -45,13 +45,14 @@ std::string text_of(const Json& value) { return value.is_string() ? value.get<st
 // Signals that `watch` shows if the drive has them, and the width of their column.
 void print_signals(const Json& signals) {
   for (const auto& [name, signal] : signals.items())
-    fmt::print("  {:<28} {:>12} {}\n", name, signal["value"].is_number() ? fmt::format("{:.2f}", signal["value"].get<double>()) : "-",
+    fmt::print("  {:<28} {:>12} {}\n", name,
+               signal["value"].is_number() ? fmt::format("{:.2f}", signal["value"].get<double>()) : "-",
                signal["unit"].get<std::string>());
 }
 
 void print_status(const Json& s) {
-  fmt::print("{}  {} {}  mode {}  display {}{}\n", text_of(s["name"]), text_of(s["family"]), text_of(s["model"]), text_of(s["mode"]),
-             text_of(s["display"]), s["powered"].get<bool>() ? "" : "  (no power)");
+  fmt::print("{}  {} {}  mode {}  display {}{}\n", text_of(s["name"]), text_of(s["family"]), text_of(s["model"]),
+             text_of(s["mode"]), text_of(s["display"]), s["powered"].get<bool>() ? "" : "  (no power)");
   if (!s["alarm"].is_null()) fmt::print("  alarm {}: {}\n", text_of(s["alarm"]["name"]), text_of(s["alarm"]["cause"]));
   if (!s["alarm_history"].empty()) {
     fmt::print("  alarm history (newest first):");
@@ -67,7 +68,8 @@ void print_status(const Json& s) {
 void print_endpoints(const Json& endpoints) {
   for (const auto& e : endpoints)
     if (e.contains("port"))
-      fmt::print("  {}  {}:{} unit {}\n", text_of(e["protocol"]), text_of(e["host"]), e["port"].get<unsigned>(), e["unit"].get<unsigned>());
+      fmt::print("  {}  {}:{} unit {}\n", text_of(e["protocol"]), text_of(e["host"]), e["port"].get<unsigned>(),
+                 e["unit"].get<unsigned>());
     else
       fmt::print("  {}  {} unit {}\n", text_of(e["protocol"]), text_of(e["path"]), e["unit"].get<unsigned>());
 }
@@ -76,15 +78,18 @@ void print_result(const std::string& command, const Json& result) {
   if (command == "status") return print_status(result);
   if (command == "list") {
     for (const auto& d : result) {
-      fmt::print("{}  {} {}  motor {}  display {}\n", text_of(d["name"]), text_of(d["family"]), text_of(d["model"]), text_of(d["motor"]), text_of(d["display"]));
+      fmt::print("{}  {} {}  motor {}  display {}\n", text_of(d["name"]), text_of(d["family"]), text_of(d["model"]),
+                 text_of(d["motor"]), text_of(d["display"]));
       print_endpoints(d["endpoints"]);
     }
   } else if (command == "commands") {
     for (const auto& c : result)
-      fmt::print("{:<11} {:<60} {}\n{:<11}   vinverter ctl {}\n", text_of(c["command"]), text_of(c["value"]), text_of(c["meaning"]), "", text_of(c["example"]));
+      fmt::print("{:<11} {:<60} {}\n{:<11}   vinverter ctl {}\n", text_of(c["command"]), text_of(c["value"]),
+                 text_of(c["meaning"]), "", text_of(c["example"]));
   } else if (command == "parameters") {
     for (const auto& p : result)
-      fmt::print("{:<9} {:>10} {:<6} {}\n", text_of(p["parameter"]), text_of(p["value"]), text_of(p["unit"]), text_of(p["name"]));
+      fmt::print("{:<9} {:>10} {:<6} {}\n", text_of(p["parameter"]), text_of(p["value"]), text_of(p["unit"]),
+                 text_of(p["name"]));
   } else if (result.is_object()) {
     for (const auto& [key, value] : result.items()) {
       std::string shown = value.is_array() ? "" : text_of(value);
@@ -127,7 +132,8 @@ int watch(ControlClient& client, const std::string& drive, bool json) {
       for (const std::string& name : names) {
         const Json& signal = s["signals"][name];
         const std::string title = name + " " + text_of(signal["unit"]);
-        fmt::print(" {:>{}.2f}", signal["value"].is_number() ? signal["value"].get<double>() : 0.0, std::max<std::size_t>(title.size(), 9));
+        fmt::print(" {:>{}.2f}", signal["value"].is_number() ? signal["value"].get<double>() : 0.0,
+                   std::max<std::size_t>(title.size(), 9));
       }
       if (!s["alarm"].is_null()) fmt::print("  {}", text_of(s["alarm"]["name"]));
       fmt::print("\n");
@@ -176,14 +182,16 @@ void add_ctl(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CtlOptions>();
   CLI::App* sub = app.add_subcommand("ctl", "Do at a drive of the running plant what a person does at a real one");
   sub->add_option("--socket", options->socket, "Control socket of the plant; the ready file names it");
-  sub->add_option("--plant", options->plant, "Name of the plant; default: the one that is running")->excludes("--socket");
+  sub->add_option("--plant", options->plant, "Name of the plant; default: the one that is running")
+      ->excludes("--socket");
   sub->add_flag("--json", options->json, "Print the answer as JSON");
   sub->add_option("WORDS", options->words, "list | commands | DRIVE COMMAND ...; DRIVE watch shows values each second")
       ->required();
   sub->positionals_at_end();
   std::string footer = "\nCommands:\n";
   for (const rig::CommandInfo& c : rig::commands())
-    footer += fmt::format("  {}{:<11} {}\n  {:<17} {}\n", c.for_drive ? "DRIVE " : "      ", c.name, c.value, "", c.meaning);
+    footer +=
+        fmt::format("  {}{:<11} {}\n  {:<17} {}\n", c.for_drive ? "DRIVE " : "      ", c.name, c.value, "", c.meaning);
   footer += "  DRIVE watch\n                    values each second, until Ctrl-C\n";
   sub->footer(footer + "\nExit codes: 0 done; 1 the drive refuses; 2 wrong words, or no such plant.");
   sub->callback([options, &exit_code] { exit_code = ctl(*options); });

@@ -42,8 +42,9 @@ int doctor() {
 
 void add_doctor(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand("doctor", "Tell what works on this machine, and how exact its timers are");
-  sub->footer("\nok: works. no: does not, and a plant runs without it. BAD: a plant cannot run.\n"
-              "Exit codes: 0 a plant can run; 1 it cannot.");
+  sub->footer(
+      "\nok: works. no: does not, and a plant runs without it. BAD: a plant cannot run.\n"
+      "Exit codes: 0 a plant can run; 1 it cannot.");
   sub->callback([&exit_code] { exit_code = doctor(); });
 }
 

@@ -58,10 +58,12 @@ bool matches(const inverter::ParameterInfo& p, const std::string& filter) {
   return lower(fmt::format("{} {} {}", p.name, p.effect, p.source)).find(lower(filter)) != std::string::npos;
 }
 
-std::vector<inverter::ParameterInfo> parameters_of(const ParamsOptions& options, std::unique_ptr<inverter::Inverter>& owner) {
+std::vector<inverter::ParameterInfo> parameters_of(const ParamsOptions& options,
+                                                   std::unique_ptr<inverter::Inverter>& owner) {
   const auto families = inverter::families();
   if (std::find(families.begin(), families.end(), options.family) == families.end())
-    throw std::runtime_error("there is no family \"" + options.family + "\"; " + rig::allowed_words(options.family, families));
+    throw std::runtime_error("there is no family \"" + options.family + "\"; " +
+                             rig::allowed_words(options.family, families));
   const auto models = inverter::models(options.family);
   inverter::InverterConfig config;
   config.model = options.model.empty() ? std::string(models.front()) : options.model;
@@ -80,28 +82,39 @@ int params(const ParamsOptions& options) {
   auto list = parameters_of(options, owner);
   std::erase_if(list, [&](const auto& p) { return !matches(p, options.filter); });
   if (list.empty()) {
-    fmt::print(stderr, "vinverter: no parameter of {} has \"{}\" as its number or in its texts.\n", options.family, options.filter);
+    fmt::print(stderr, "vinverter: no parameter of {} has \"{}\" as its number or in its texts.\n", options.family,
+               options.filter);
     return kRefused;
   }
   if (options.json) {
     rig::Json out = rig::Json::array();
     for (const auto& p : list)
-      out.push_back({{"parameter", name_of(p)}, {"name", p.name}, {"minimum", p.minimum}, {"maximum", p.maximum},
-                     {"increment", p.increment}, {"unit", p.unit}, {"special", p.special}, {"allowed", p.allowed},
-                     {"default", p.factory_default}, {"acts", p.acts}, {"effect", p.effect}, {"source", p.source},
+      out.push_back({{"parameter", name_of(p)},
+                     {"name", p.name},
+                     {"minimum", p.minimum},
+                     {"maximum", p.maximum},
+                     {"increment", p.increment},
+                     {"unit", p.unit},
+                     {"special", p.special},
+                     {"allowed", p.allowed},
+                     {"default", p.factory_default},
+                     {"acts", p.acts},
+                     {"effect", p.effect},
+                     {"source", p.source},
                      {"confidence", p.confidence}});
     fmt::print("{}\n", out.dump(2));
   } else if (options.csv) {
     fmt::print("parameter,name,minimum,maximum,increment,unit,special,allowed,default,acts,effect,source,confidence\n");
     for (const auto& p : list)
-      fmt::print("{},{},{:g},{:g},{:g},{},{},{},{:g},{},{},{},{}\n", name_of(p), csv_cell(p.name), p.minimum, p.maximum, p.increment,
-                 csv_cell(p.unit), csv_cell(p.special), csv_cell(p.allowed), p.factory_default, p.acts ? "yes" : "no", csv_cell(p.effect),
-                 csv_cell(p.source), csv_cell(p.confidence));
+      fmt::print("{},{},{:g},{:g},{:g},{},{},{},{:g},{},{},{},{}\n", name_of(p), csv_cell(p.name), p.minimum, p.maximum,
+                 p.increment, csv_cell(p.unit), csv_cell(p.special), csv_cell(p.allowed), p.factory_default,
+                 p.acts ? "yes" : "no", csv_cell(p.effect), csv_cell(p.source), csv_cell(p.confidence));
   } else {
-    fmt::print("{:<9} {:<44} {:<22} {:>7} {:<4} {:>8}  {}\n", "parameter", "name", "range", "step", "unit", "default", "acts");
+    fmt::print("{:<9} {:<44} {:<22} {:>7} {:<4} {:>8}  {}\n", "parameter", "name", "range", "step", "unit", "default",
+               "acts");
     for (const auto& p : list) {
-      fmt::print("{:<9} {:<44} {:<22} {:>7g} {:<4} {:>8g}  {}\n", name_of(p), p.name, range_of(p), p.increment, p.unit, p.factory_default,
-                 p.acts ? "yes" : "no");
+      fmt::print("{:<9} {:<44} {:<22} {:>7g} {:<4} {:>8g}  {}\n", name_of(p), p.name, range_of(p), p.increment, p.unit,
+                 p.factory_default, p.acts ? "yes" : "no");
       if (!options.filter.empty())
         fmt::print("{:<9} {}\n{:<9} source: {} (confidence {})\n", "", p.effect, "", p.source, p.confidence);
     }

@@ -42,8 +42,8 @@ int run(const RunOptions& options) {
   loop.on_signal([&](int) { loop.stop(); });
   std::string ready_failure;
   live.when_ready([&] {
-    fmt::print("{}\ncontrol  {}\n         vinverter ctl --plant {} list\nEEPROM   {}\n", live.table(), live.control_path(), name,
-               live.state_folder());
+    fmt::print("{}\ncontrol  {}\n         vinverter ctl --plant {} list\nEEPROM   {}\n", live.table(),
+               live.control_path(), name, live.state_folder());
     std::fflush(stdout);
     if (options.ready_file.empty()) return;
     try {
@@ -76,15 +76,17 @@ void add_run(CLI::App& app, int& exit_code) {
   sub->add_option("--ready-file", options->ready_file,
                   "Write endpoints as JSON to this file, once everything is listening; removed at the end");
   sub->add_flag("--fresh", options->live.fresh, "Discard stored EEPROMs: drives start with the plant file's values");
-  sub->add_option("--state-dir", options->live.state_folder,
-                  "Folder of the EEPROM files; default: $XDG_STATE_HOME/vinverter/PLANT or ~/.local/state/vinverter/PLANT");
+  sub->add_option(
+      "--state-dir", options->live.state_folder,
+      "Folder of the EEPROM files; default: $XDG_STATE_HOME/vinverter/PLANT or ~/.local/state/vinverter/PLANT");
   sub->add_option("--runtime-dir", options->live.runtime_folder,
                   "Folder of control socket and pseudo-terminal names; default: $XDG_RUNTIME_DIR/vinverter/PLANT or "
                   "/tmp/vinverter-UID/PLANT");
   sub->add_option("--record-ip", options->live.record_ip, "Record all TCP traffic to this pcapng file");
   sub->add_option("--duration", options->duration_s, "Stop after this many seconds")->check(CLI::PositiveNumber);
-  sub->footer("\nSIGINT or SIGTERM stop the plant; EEPROMs are stored, and how late events ran is printed.\n"
-              "Exit codes: 0 stopped; 1 an EEPROM could not be stored; 2 the plant cannot start.");
+  sub->footer(
+      "\nSIGINT or SIGTERM stop the plant; EEPROMs are stored, and how late events ran is printed.\n"
+      "Exit codes: 0 stopped; 1 an EEPROM could not be stored; 2 the plant cannot start.");
   sub->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

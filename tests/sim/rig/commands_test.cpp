@@ -15,8 +15,10 @@ class CommandsTest : public testing::Test {
  protected:
   CommandsTest()
       : catalogue_(test::fake_catalogue(journal_)),
-        plant_(parse_plant_file("drives:\n  - name: a\n    mains: { voltage_V: 400 }\n  - name: bare\n    board: none\n", "p.yaml", catalogue_),
-               scheduler_, PlantOptions{.catalogue = catalogue_, .stored_eeprom = {}, .damaged_eeprom = {}, .clock = {}}) {
+        plant_(
+            parse_plant_file("drives:\n  - name: a\n    mains: { voltage_V: 400 }\n  - name: bare\n    board: none\n",
+                             "p.yaml", catalogue_),
+            scheduler_, PlantOptions{.catalogue = catalogue_, .stored_eeprom = {}, .damaged_eeprom = {}, .clock = {}}) {
     plant_.start();
     run_ms(5);
     journal_.clear();
@@ -51,27 +53,33 @@ TEST_F(CommandsTest, TerminalsAndAnalogInputsAreSetWithTheirUnits) {
 }
 
 TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
-  EXPECT_EQ(bad("analog", {{"terminal_2", "5 Hz"}}),
-            "-32602 analog terminal 2: \"5 Hz\" has the wrong unit; write a number and one of these units: V, mV, kV, for "
-            "example \"5 V\".");
+  EXPECT_EQ(
+      bad("analog", {{"terminal_2", "5 Hz"}}),
+      "-32602 analog terminal 2: \"5 Hz\" has the wrong unit; write a number and one of these units: V, mV, kV, for "
+      "example \"5 V\".");
   EXPECT_EQ(bad("analog", {{"terminal_4", "5 V"}}),
-            "-32602 analog terminal 4: \"5 V\" has the wrong unit; write a number and one of these units: mA, A, for example \"5 mA\".");
-  EXPECT_EQ(bad("analog", {{"terminal_9", "5 V"}}), "-32602 there is no analog terminal \"terminal_9\"; allowed: 2, 4.");
+            "-32602 analog terminal 4: \"5 V\" has the wrong unit; write a number and one of these units: mA, A, for "
+            "example \"5 mA\".");
+  EXPECT_EQ(bad("analog", {{"terminal_9", "5 V"}}),
+            "-32602 there is no analog terminal \"terminal_9\"; allowed: 2, 4.");
   EXPECT_EQ(bad("terminal", {{"STF", 1}}), "-32602 terminal STF is 1; allowed: on, off.");
   EXPECT_EQ(bad("terminal", {{"STG", "on"}}), "-32000 there is no terminal STG. Did you mean \"STF\"?");
   EXPECT_EQ(bad("terminal", "on"), "-32602 terminal is \"on\"; it takes {STF: on}.");
   EXPECT_EQ(bad("power", "of"), "-32602 power is \"of\"; allowed: on, off, cycle. Did you mean \"off\"?");
-  EXPECT_EQ(bad("frequency", 40), "-32602 frequency is 40; write text with a number and one of these units: Hz, kHz, for example \"5 Hz\".");
+  EXPECT_EQ(bad("frequency", 40),
+            "-32602 frequency is 40; write text with a number and one of these units: Hz, kHz, for example \"5 Hz\".");
   EXPECT_EQ(bad("frequency", "400 Hz"), "-32000 the set frequency is above Pr.1; allowed: 0 to 120 Hz.");
   EXPECT_EQ(bad("mains", {{"dip", "40 %"}}), "-32602 mains: dip and for belong together, as {dip: 40 %, for: 200 ms}.");
   EXPECT_EQ(bad("mains", {{"dip", "140 %"}, {"for", "1 s"}}),
             "-32602 dip is \"140 %\"; allowed: 0 to 100 % (by how much the voltage falls).");
-  EXPECT_EQ(bad("mains", {{"volt", "40 V"}}), "-32602 unknown word \"volt\" in mains; allowed: voltage, dip, for. Did you mean \"voltage\"?");
+  EXPECT_EQ(bad("mains", {{"volt", "40 V"}}),
+            "-32602 unknown word \"volt\" in mains; allowed: voltage, dip, for. Did you mean \"voltage\"?");
   EXPECT_EQ(bad("load", {{"torque", "-1 Nm"}}), "-32602 torque is \"-1 Nm\"; allowed: 0 to 1000 kNm.");
   EXPECT_EQ(bad("phase_loss", "L4"), "-32602 phase_loss is \"L4\"; allowed: L1, L2, L3, none.");
   EXPECT_EQ(bad("ambient", "400 C"), "-32602 ambient is \"400 C\"; allowed: -40 to 100 C.");
   EXPECT_EQ(bad("shaft", "blocked"), "-32602 shaft is \"blocked\"; allowed: locked, free. Did you mean \"locked\"?");
-  EXPECT_EQ(bad("fault", "E.PX"), "-32602 unknown word \"E.PX\" in fault; allowed: E.PE, earth_fault. Did you mean \"E.PE\"?");
+  EXPECT_EQ(bad("fault", "E.PX"),
+            "-32602 unknown word \"E.PX\" in fault; allowed: E.PE, earth_fault. Did you mean \"E.PE\"?");
   EXPECT_EQ(bad("switch", {{"SW9", 1}}), "-32000 there is no switch SW9; allowed: SW1.");
   EXPECT_EQ(bad("switch", {{"SW1", -1}}), "-32602 switch SW1 is -1; allowed: a whole number from 0.");
   EXPECT_EQ(bad("switch", {{"SW1", 1}}, "bare"), "-32000 the drive has no option board.");
@@ -190,8 +198,9 @@ TEST_F(CommandsTest, StatusListAndHelpTellWhatThereIs) {
   EXPECT_EQ(status["signals"]["output_frequency"]["value"], 12.5);
   EXPECT_EQ(status["alarm_history"], (Json{0xA3, 0x10}));
   EXPECT_EQ(status["mode"], "EXT");
-  EXPECT_EQ(status["endpoints"].dump(),
-            R"([{"protocol":"modbus-tcp","host":"127.0.0.1","port":1502,"unit":1},{"protocol":"modbus-rtu","path":"/dev/pts/9","unit":1}])");
+  EXPECT_EQ(
+      status["endpoints"].dump(),
+      R"([{"protocol":"modbus-tcp","host":"127.0.0.1","port":1502,"unit":1},{"protocol":"modbus-rtu","path":"/dev/pts/9","unit":1}])");
   const Json list = *execute(plant_, "list", "", {});
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[1]["board"], Json());

@@ -62,7 +62,8 @@ TEST_F(ControlSessionTest, ErrorsHaveTheCodesOfTheSpecification) {
   EXPECT_EQ(code(R"({"jsonrpc":"2.0","id":1,"method":"status","params":{"drives":"a"}})"), -32602);
   EXPECT_EQ(code(R"({"jsonrpc":"2.0","id":1,"method":"status","params":{"drive":"b"}})"), -32602);
   EXPECT_EQ(code(R"({"jsonrpc":"2.0","id":1,"method":"run","params":{"drive":"a","words":[1]}})"), -32602);
-  EXPECT_EQ(code(R"({"jsonrpc":"2.0","id":1,"method":"run","params":{"drive":"a","words":[],"value":"forward"}})"), -32602);
+  EXPECT_EQ(code(R"({"jsonrpc":"2.0","id":1,"method":"run","params":{"drive":"a","words":[],"value":"forward"}})"),
+            -32602);
   EXPECT_EQ(code(R"({"jsonrpc":"2.0","id":1,"method":"frequency","params":{"drive":"a","value":"400 Hz"}})"), -32000);
 }
 

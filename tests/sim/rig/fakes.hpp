@@ -40,7 +40,9 @@ class FakeInverter : public inverter::Inverter {
   FakeInverter(const inverter::InverterConfig& config, Journal& journal)
       : config_(config), journal_(journal), plant_(plant_config(config)) {}
 
-  void tick(Instant now) override { journal_.push_back(config_.model + " tick " + std::to_string(to_ns(now) / 1000000)); }
+  void tick(Instant now) override {
+    journal_.push_back(config_.model + " tick " + std::to_string(to_ns(now) / 1000000));
+  }
   port::DrivePort& port() override { return port_; }
   std::string_view family() const override { return "fr-e500"; }
   std::string_view model() const override { return config_.model; }
@@ -63,7 +65,8 @@ class FakeInverter : public inverter::Inverter {
     return {};
   }
   inverter::Outcome set_analog(std::string_view terminal, double value) override {
-    if (terminal != "2" && terminal != "4") return Unexpected("there is no analog terminal " + std::string(terminal) + ".");
+    if (terminal != "2" && terminal != "4")
+      return Unexpected("there is no analog terminal " + std::string(terminal) + ".");
     analog[std::string(terminal)] = value;
     return {};
   }
@@ -72,7 +75,8 @@ class FakeInverter : public inverter::Inverter {
   }
   std::vector<std::string_view> analog_terminals() const override { return {"2", "4"}; }
   inverter::Outcome set_parameter(std::string_view name, double value) override {
-    if (parameters_.find(name) == parameters_.end()) return Unexpected("there is no parameter " + std::string(name) + ".");
+    if (parameters_.find(name) == parameters_.end())
+      return Unexpected("there is no parameter " + std::string(name) + ".");
     if (value > 3600) return Unexpected(std::string(name) + " allows 0 to 3600.");
     parameters_.find(name)->second = value;
     changed_ = true;
@@ -83,7 +87,9 @@ class FakeInverter : public inverter::Inverter {
     if (it == parameters_.end()) return Unexpected("there is no parameter " + std::string(name) + ".");
     return it->second;
   }
-  inverter::Outcome preset_parameter(std::string_view name, double value) override { return set_parameter(name, value); }
+  inverter::Outcome preset_parameter(std::string_view name, double value) override {
+    return set_parameter(name, value);
+  }
   std::vector<inverter::ParameterInfo> parameters() const override {
     inverter::ParameterInfo p;
     p.id = {7, 0};
@@ -215,16 +221,18 @@ inline Catalogue fake_catalogue(Journal& journal) {
   Catalogue c;
   c.families = [] { return std::vector<std::string_view>{"fr-e500"}; };
   c.models = [](std::string_view) {
-    return std::vector<std::string_view>{"FR-E540-0.4K", "FR-E540-0.75K", "FR-E540-1.5K", "FR-E540-2.2K", "FR-E520-0.2K"};
+    return std::vector<std::string_view>{"FR-E540-0.4K", "FR-E540-0.75K", "FR-E540-1.5K", "FR-E540-2.2K",
+                                         "FR-E520-0.2K"};
   };
   c.board_types = [] { return std::vector<std::string_view>{"oi-fr-e5nco"}; };
   c.board_families = [](std::string_view) { return std::vector<std::string_view>{"fr-e500"}; };
-  c.make_inverter = [&journal](std::string_view, const inverter::InverterConfig& config)
-      -> Result<std::unique_ptr<inverter::Inverter>, std::string> {
+  c.make_inverter =
+      [&journal](std::string_view,
+                 const inverter::InverterConfig& config) -> Result<std::unique_ptr<inverter::Inverter>, std::string> {
     return std::unique_ptr<inverter::Inverter>(std::make_unique<FakeInverter>(config, journal));
   };
-  c.make_board = [&journal](const boards::BoardConfig& config, port::DrivePort&)
-      -> Result<std::unique_ptr<boards::OptionBoard>, std::string> {
+  c.make_board = [&journal](const boards::BoardConfig& config,
+                            port::DrivePort&) -> Result<std::unique_ptr<boards::OptionBoard>, std::string> {
     if (config.node > 99) return Unexpected("node " + std::to_string(config.node) + "; allowed: 1 to 99.");
     return std::unique_ptr<boards::OptionBoard>(std::make_unique<FakeBoard>(config.node, journal));
   };

@@ -119,7 +119,9 @@ TEST(PlantFile, ADriveCanGoWithoutABoard) {
 }
 
 TEST(PlantFile, InputsAndParametersKeepTheirPlaces) {
-  const PlantFile f = parse("drives:\n  - terminals: { STF: on, RH: off }\n    analog: { terminal_2: 5, 4: 12.5 }\n    parameters: { Pr.7: 2.5 }\n");
+  const PlantFile f = parse(
+      "drives:\n  - terminals: { STF: on, RH: off }\n    analog: { terminal_2: 5, 4: 12.5 }\n    parameters: { Pr.7: "
+      "2.5 }\n");
   const DriveSpec& d = f.drives[0];
   ASSERT_EQ(d.terminals.size(), 2u);
   EXPECT_EQ(d.terminals[0].first.value, "STF");

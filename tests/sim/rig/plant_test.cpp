@@ -25,7 +25,9 @@ class PlantTest : public testing::Test {
     return std::make_unique<Plant>(parse_plant_file(text, "p.yaml", catalogue), scheduler_, std::move(options));
   }
   void run_ms(int ms) { scheduler_.run_until(scheduler_.now() + milliseconds(ms)); }
-  static test::FakeBoard& board(Plant& p, std::size_t i) { return dynamic_cast<test::FakeBoard&>(*p.drives()[i]->board); }
+  static test::FakeBoard& board(Plant& p, std::size_t i) {
+    return dynamic_cast<test::FakeBoard&>(*p.drives()[i]->board);
+  }
 
   // The scheduler outlives the plants; they are made and destroyed inside a test.
   kernel::Scheduler scheduler_;
@@ -160,7 +162,8 @@ TEST_F(PlantTest, ALineErrorOrAnotherSpeedIsSilence) {
 }
 
 TEST_F(PlantTest, BoardsOnOneLineAllHearIt) {
-  const auto p = plant("networks: { bus: { serial: pty } }\ndrives:\n  - board: { modbus_rtu: bus }\n  - board: { modbus_rtu: bus }\n");
+  const auto p = plant(
+      "networks: { bus: { serial: pty } }\ndrives:\n  - board: { modbus_rtu: bus }\n  - board: { modbus_rtu: bus }\n");
   const auto far = std::make_shared<test::FakeStream::Far>();
   p->connect_serial(0, std::make_unique<test::FakeStream>(far));
   p->start();

@@ -49,7 +49,8 @@ TEST(Quantity, AWrongUnitIsRefusedWithTheAllowedOnes) {
   EXPECT_EQ(parse_quantity("12", Dimension::kVoltage).error(),
             "\"12\" has no unit; write a number and one of these units: V, mV, kV, for example \"5 V\".");
   EXPECT_EQ(parse_quantity("fast", Dimension::kTime).error(),
-            "\"fast\" does not begin with a number; write a number and one of these units: s, ms, us, min, for example \"5 s\".");
+            "\"fast\" does not begin with a number; write a number and one of these units: s, ms, us, min, for example "
+            "\"5 s\".");
   EXPECT_FALSE(parse_quantity("5 nm", Dimension::kTorque));
   EXPECT_FALSE(parse_quantity("", Dimension::kTorque));
 }

@@ -1,0 +1,190 @@
+// A live plant of this machine's sockets and pseudo-terminals; clients are plain sockets on a thread of their own.
+#include "sim/rig/live_plant.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace vinv::rig {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlant =
+    "networks: { plc: { modbus_tcp: 127.0.0.1:0 } }\n"
+    "drives:\n"
+    "  - name: a\n    board: { node: 5, modbus_tcp: plc }\n    parameters: { Pr.7: 2.5 }\n"
+    "  - name: b\n    board: { node: 6, modbus_tcp: plc, modbus_rtu: none }\n";
+
+// Sends, then reads until enough has come or 5 s have passed.
+std::string exchange(int fd, const std::string& request, const std::function<bool(const std::string&)>& enough) {
+  std::string answer;
+  const timeval patience{5, 0};
+  ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  if (::send(fd, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()))
+    return "not sent";
+  char buffer[4096];
+  while (!enough(answer)) {
+    const ssize_t n = ::recv(fd, buffer, sizeof buffer, 0);
+    if (n <= 0) break;
+    answer.append(buffer, static_cast<std::size_t>(n));
+  }
+  ::close(fd);
+  return answer;
+}
+
+std::string ask_tcp(std::uint16_t port, const std::string& request, std::size_t answer_bytes) {
+  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) return "not connected";
+  return exchange(fd, request, [&](const std::string& a) { return a.size() >= answer_bytes; });
+}
+
+std::string ask_control(const std::string& path, const std::string& request) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  if (::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) return "not connected";
+  return exchange(fd, request + "\n", [](const std::string& a) { return a.ends_with("\n"); });
+}
+
+class LivePlantTest : public testing::Test {
+ protected:
+  LivePlantTest() {
+    std::string pattern = (fs::temp_directory_path() / "vinv-live-XXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+    options_.state_folder = folder_ + "/state";
+    options_.runtime_folder = folder_ + "/run";
+  }
+  ~LivePlantTest() override { fs::remove_all(folder_); }
+
+  // Runs a plant until it is ready, then the client on its own thread, then stops.
+  void serve(const std::string& text, const std::function<void(LivePlant&, const Json& ready)>& client) {
+    transports::EventLoop loop;
+    const Catalogue catalogue = shipped_catalogue();
+    LivePlant live(loop, parse_plant_file(text, "p.yaml", catalogue), catalogue, options_,
+                   [this](const std::string& s) { notices_.push_back(s); });
+    std::thread thread;
+    live.when_ready([&] {
+      thread = std::thread([&, ready = live.ready_json()] {
+        client(live, ready);
+        loop.stop();
+      });
+    });
+    loop.run();
+    if (thread.joinable()) thread.join();
+    EXPECT_EQ(live.store_eeproms(), "");
+  }
+
+  std::string folder_;
+  LiveOptions options_;
+  std::vector<std::string> notices_;
+};
+
+TEST_F(LivePlantTest, TheReadyTextNamesEveryEndpointAndTheyAnswer) {
+  serve(kPlant, [&](LivePlant&, const Json& ready) {
+    const std::uint16_t port = ready["drives"][0]["endpoints"][0]["port"];
+    EXPECT_GT(port, 0);
+    EXPECT_EQ(ready["drives"].dump(), Json::parse(R"([{"name":"a","family":"fr-e500","board":"oi-fr-e5nco","endpoints":[
+                  {"protocol":"modbus-tcp","host":"127.0.0.1","port":)" +
+                                                  std::to_string(port) + R"(,"unit":5},
+                  {"protocol":"modbus-rtu","path":")" +
+                                                  folder_ + R"(/run/a.tty","unit":5}]},
+                {"name":"b","family":"fr-e500","board":"oi-fr-e5nco","endpoints":[
+                  {"protocol":"modbus-tcp","host":"127.0.0.1","port":)" +
+                                                  std::to_string(port) + R"(,"unit":6}]}])")
+                                          .dump());
+    EXPECT_TRUE(fs::is_symlink(folder_ + "/run/a.tty"));
+    // Pr.7 of unit 5: 2.5 s.
+    const std::string request("\0\1\0\0\0\6\5\3\x4e\x2e\0\1", 12);
+    EXPECT_EQ(ask_tcp(port, request, 11), std::string("\0\1\0\0\0\5\5\3\2\0\x19", 11));
+    const std::string control = ready["control"];
+    EXPECT_EQ(Json::parse(ask_control(
+                  control,
+                  R"({"jsonrpc":"2.0","id":1,"method":"parameter","params":{"drive":"a","value":"Pr.7"}})"))["result"],
+              (Json{{"Pr.7", 2.5}}));
+  });
+  EXPECT_TRUE(notices_.empty());
+  EXPECT_FALSE(fs::exists(folder_ + "/run/control.sock")) << "nothing is left behind";
+  EXPECT_FALSE(fs::is_symlink(folder_ + "/run/a.tty"));
+}
+
+TEST_F(LivePlantTest, ParametersLastOverARestartUntilAFreshOne) {
+  const auto pr7 = [](const Json& ready) {
+    return Json::parse(ask_control(
+        ready["control"],
+        R"({"jsonrpc":"2.0","id":1,"method":"parameter","params":{"drive":"a","value":"Pr.7"}})"))["result"]["Pr.7"];
+  };
+  serve(kPlant, [&](LivePlant&, const Json& ready) {
+    ask_control(ready["control"], R"({"jsonrpc":"2.0","id":1,"method":"mode","params":{"drive":"a","value":"PU"}})");
+    ask_control(ready["control"],
+                R"({"jsonrpc":"2.0","id":1,"method":"parameter","params":{"drive":"a","value":{"Pr.7":9.5}}})");
+    EXPECT_EQ(pr7(ready), 9.5);
+  });
+  serve(kPlant, [&](LivePlant&, const Json& ready) { EXPECT_EQ(pr7(ready), 9.5); });
+  options_.fresh = true;
+  serve(kPlant, [&](LivePlant&, const Json& ready) { EXPECT_EQ(pr7(ready), 2.5); });
+  options_.fresh = false;
+  serve(kPlant, [&](LivePlant&, const Json& ready) { EXPECT_EQ(pr7(ready), 2.5); });
+}
+
+TEST_F(LivePlantTest, DamagedEepromsAreKeptAsideAndRaiseTheStorageAlarm) {
+  serve(kPlant, [](LivePlant&, const Json&) {});
+  const std::string file = folder_ + "/state/a.eeprom";
+  std::ostringstream whole;
+  whole << std::ifstream(file).rdbuf();
+  const std::string good = whole.str();
+  ASSERT_GT(good.size(), 100u);
+  std::string flipped = good;
+  flipped[good.size() / 2] = static_cast<char>(flipped[good.size() / 2] ^ 4);
+  int n = 0;
+  for (const std::string& damaged : {good.substr(0, good.size() / 2), flipped, std::string("\x00\xff", 2)}) {
+    std::ofstream(file, std::ios::trunc) << damaged;
+    notices_.clear();
+    serve(kPlant, [&](LivePlant&, const Json& ready) {
+      const Json s = Json::parse(
+          ask_control(ready["control"], R"({"jsonrpc":"2.0","id":1,"method":"status","params":{"drive":"a"}})"));
+      EXPECT_EQ(s["result"]["alarm"]["name"], "E.PE") << s.dump();
+    });
+    const std::string aside = file + ".damaged-" + std::to_string(++n);
+    std::ostringstream kept;
+    kept << std::ifstream(aside).rdbuf();
+    EXPECT_EQ(kept.str(), damaged);
+    ASSERT_EQ(notices_.size(), 1u);
+    EXPECT_NE(notices_[0].find(aside), std::string::npos) << notices_[0];
+  }
+}
+
+TEST_F(LivePlantTest, APortInUseIsTold) {
+  serve(kPlant, [&](LivePlant&, const Json& ready) {
+    transports::EventLoop loop;
+    const Catalogue catalogue = shipped_catalogue();
+    LiveOptions other = options_;
+    other.state_folder += "2";
+    other.runtime_folder += "2";
+    const std::string port = std::to_string(ready["drives"][0]["endpoints"][0]["port"].get<int>());
+    try {
+      const LivePlant second(
+          loop, parse_plant_file("drives:\n  - board: { modbus_tcp: 127.0.0.1:" + port + " }\n", "p.yaml", catalogue),
+          catalogue, other, [](const std::string&) {});
+      ADD_FAILURE();
+    } catch (const std::runtime_error& e) {
+      EXPECT_NE(std::string(e.what()).find("127.0.0.1:" + port), std::string::npos) << e.what();
+    }
+  });
+}
+
+}  // namespace
+}  // namespace vinv::rig
