@@ -41,8 +41,9 @@ Result<std::unique_ptr<OptionBoard>, std::string> make_board(const BoardConfig& 
     return Unexpected("unknown board type \"" + config.type + "\"; allowed: " + allowed);
   }
   if (config.node < type->first_node || config.node > type->last_node) {
-    return Unexpected("node " + std::to_string(config.node) + " of board " + config.type + " is out of range; allowed: " +
-                      std::to_string(type->first_node) + " to " + std::to_string(type->last_node));
+    return Unexpected("node " + std::to_string(config.node) + " of board " + config.type +
+                      " is out of range; allowed: " + std::to_string(type->first_node) + " to " +
+                      std::to_string(type->last_node));
   }
   return type->make(config.node, drive);
 }

@@ -14,7 +14,7 @@ namespace vinv::boards {
 
 struct BoardConfig {
   std::string type;
-  unsigned node = 63;   // what the address switches are set to
+  unsigned node = 63;  // what the address switches are set to
 };
 
 // The drive outlives the board. Refuses an unknown type or a node out of range with a sentence naming what is allowed.

@@ -44,9 +44,7 @@ void RtuServer::stop() {
   state_ = State{};
 }
 
-Instant RtuServer::frame_ends_at() const {
-  return state_.last_character_at + silence_.t3_5 + settings_.receive_slack;
-}
+Instant RtuServer::frame_ends_at() const { return state_.last_character_at + silence_.t3_5 + settings_.receive_slack; }
 
 void RtuServer::handle_bytes(Instant now, ByteView bytes, bool line_error) {
   if (!state_.open || (bytes.empty() && !line_error)) return;

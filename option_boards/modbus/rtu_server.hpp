@@ -36,9 +36,9 @@ class RtuServer {
   static constexpr std::size_t kMaxFrame = 256;
 
   struct Settings {
-    std::uint32_t baud = 9600;          // > 0
-    unsigned bits_per_character = 10;   // start, data, parity and stop bits
-    Duration answer_delay{};            // from the answer being ready to its first character
+    std::uint32_t baud = 9600;         // > 0
+    unsigned bits_per_character = 10;  // start, data, parity and stop bits
+    Duration answer_delay{};           // from the answer being ready to its first character
     // How late a driver may hand over characters (FIFO and latency timer of a real tty); widens both silences.
     Duration receive_slack{};
   };
@@ -63,16 +63,16 @@ class RtuServer {
 
   struct State {
     bool open = false;
-    bool receiving = false;     // characters came and the 3.5 characters of silence are not over
-    bool discard = false;       // the frame being received will not be used
+    bool receiving = false;  // characters came and the 3.5 characters of silence are not over
+    bool discard = false;    // the frame being received will not be used
     std::size_t length = 0;
     std::array<std::uint8_t, kMaxFrame> frame{};
     Instant last_character_at{};
     Transaction transaction = Transaction::kNone;
-    std::size_t unit_index = 0;    // of the transaction
-    std::uint8_t unit_address = 0; // as asked
-    Bytes answer;                  // kAnswering: the frame
-    Instant answer_at{};           // kAnswering: earliest start
+    std::size_t unit_index = 0;     // of the transaction
+    std::uint8_t unit_address = 0;  // as asked
+    Bytes answer;                   // kAnswering: the frame
+    Instant answer_at{};            // kAnswering: earliest start
   };
 
   Instant frame_ends_at() const;

@@ -11,7 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   vinv::fuzz::Input input(data, size);
   vinv::test::Bench bench;
   const std::uint8_t circumstances = input.byte();
-  bench.drive.mode = (circumstances & 1) != 0 ? vinv::port::OperationMode::kNetwork : vinv::port::OperationMode::kExternal;
+  bench.drive.mode =
+      (circumstances & 1) != 0 ? vinv::port::OperationMode::kNetwork : vinv::port::OperationMode::kExternal;
   bench.drive.parameters[347].value = (circumstances & 2) != 0 ? 0x84 : 0x04;
   bench.drive.status_now.running = (circumstances & 4) != 0;
   bench.drive.write_disabled = (circumstances & 8) != 0;

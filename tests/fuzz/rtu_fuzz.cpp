@@ -66,7 +66,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
       case 4: {  // a request of function 03 or 06, for this node or everybody, and the time for its answer
         const std::uint16_t address = input.word(), value = input.word();
-        Bytes frame{(argument & 1) != 0 ? std::uint8_t{0} : kNode, (argument & 2) != 0 ? std::uint8_t{6} : std::uint8_t{3}};
+        Bytes frame{(argument & 1) != 0 ? std::uint8_t{0} : kNode,
+                    (argument & 2) != 0 ? std::uint8_t{6} : std::uint8_t{3}};
         append_be16(frame, static_cast<std::uint16_t>(20000 + address % 7100));
         append_be16(frame, value);
         bench.receive(framed(frame));

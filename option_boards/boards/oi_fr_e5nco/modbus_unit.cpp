@@ -79,7 +79,8 @@ Result<std::uint16_t, Exception> ModbusUnit::read_item(const RegisterRow& row, s
     case Item::kStatus: return raw_status(drive_.status());
     case Item::kAlarms: {
       const port::AlarmHistory history = drive_.alarm_history();
-      return static_cast<std::uint16_t>(history[2u * index] | history[2u * index + 1] << 8);
+      const std::size_t newer = std::size_t{2} * index;
+      return static_cast<std::uint16_t>(history.at(newer) | history.at(newer + 1) << 8);
     }
     case Item::kMonitor: {
       const auto value = drive_.read_monitor(index);
@@ -178,8 +179,8 @@ void ModbusUnit::answer(modbus::ClientId client, Bytes pdu) {
 
 std::optional<Bytes> ModbusUnit::poll_answer(Instant /*now*/, modbus::ClientId client) {
   collect_outcome();
-  const auto found = std::find_if(state_.answers.begin(), state_.answers.end(),
-                                  [&](const Answer& a) { return a.client == client; });
+  const auto found =
+      std::find_if(state_.answers.begin(), state_.answers.end(), [&](const Answer& a) { return a.client == client; });
   if (found == state_.answers.end()) return std::nullopt;
   Bytes pdu = std::move(found->pdu);
   state_.answers.erase(found);

@@ -8,14 +8,14 @@
 namespace vinv::boards::oi_fr_e5nco {
 
 enum class Item : std::uint8_t {
-  kNone,         // an address that the manual excludes
-  kParameter,    // index: parameter number
-  kAlarms,       // index: pair of the alarm history, 0 the newest
-  kMonitor,      // index: monitor number
+  kNone,       // an address that the manual excludes
+  kParameter,  // index: parameter number
+  kAlarms,     // index: pair of the alarm history, 0 the newest
+  kMonitor,    // index: monitor number
   kStatus,
   kCommand,
   kFrequency,
-  kRpm,          // index when read: monitor number
+  kRpm,  // index when read: monitor number
   kAnalog,
   kClearAlarms,
   kReset,
@@ -27,8 +27,8 @@ struct RegisterRow {
   std::uint16_t first = 0, last = 0, step = 2;  // addresses as they travel; items only at first + n * step
   bool readable = false, writable = false;
   Item item = Item::kNone;
-  std::uint16_t index = 0;                      // of the item at first; the next item has the next index
-  std::uint16_t min = 0, max = 0;               // what may be written
+  std::uint16_t index = 0;         // of the item at first; the next item has the next index
+  std::uint16_t min = 0, max = 0;  // what may be written
   std::uint16_t constant = 0;
 
   bool contains(std::uint32_t address) const {

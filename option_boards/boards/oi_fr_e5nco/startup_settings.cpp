@@ -17,9 +17,7 @@ SerialSetup parse_pr347(std::uint32_t raw) {
   return setup;
 }
 
-unsigned bits_per_character(const LineSettings& line) {
-  return line.parity == LineSettings::Parity::kNone ? 10 : 11;
-}
+unsigned bits_per_character(const LineSettings& line) { return line.parity == LineSettings::Parity::kNone ? 10 : 11; }
 
 std::uint8_t node_address(std::uint32_t raw_pr345, AddressSwitches switches) {
   constexpr std::uint32_t kLastNode = 99;

@@ -59,7 +59,11 @@ std::map<int, Situation> situations() {
       {3, {{[](FakeDrive&) {}}, pr_7}},
       {4, {[](FakeDrive& d) { d.parameters[7].value = 100; }, {}}},
       {5, {[](FakeDrive& d) { d.history = {0xa3}; }, {}}},
-      {6, {[](FakeDrive& d) { d.history = {0xb1, 0xa3}; }, {}}},
+      {6,
+       {[](FakeDrive& d) {
+          d.history = {0xb1, 0xa3};
+        },
+        {}}},
       {7, {monitor_1(5000), {}}},
       {8, {{[](FakeDrive&) {}}, stf}},
       {9,
@@ -79,7 +83,17 @@ std::map<int, Situation> situations() {
       {18, {}},
       {19, {{[](FakeDrive&) {}}, request_of(Kind::kOperationMode, 1)}},
       {20, {{[](FakeDrive&) {}}, request_of(Kind::kOperationMode, 0)}},
-      {21, {}}, {22, {}}, {23, {}}, {24, {}}, {25, {}}, {26, {}}, {27, {}}, {28, {}}, {29, {}}, {30, {}}, {31, {}},
+      {21, {}},
+      {22, {}},
+      {23, {}},
+      {24, {}},
+      {25, {}},
+      {26, {}},
+      {27, {}},
+      {28, {}},
+      {29, {}},
+      {30, {}},
+      {31, {}},
   };
 }
 

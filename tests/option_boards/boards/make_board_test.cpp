@@ -34,7 +34,8 @@ TEST(MakeBoard, RefusesANodeOutsideOneToNinetyNine) {
   for (const unsigned node : {0u, 100u, 255u, 1000u}) {
     const auto board = make_board({"oi-fr-e5nco", node}, drive);
     ASSERT_FALSE(board) << node;
-    EXPECT_EQ(board.error(), "node " + std::to_string(node) + " of board oi-fr-e5nco is out of range; allowed: 1 to 99");
+    EXPECT_EQ(board.error(),
+              "node " + std::to_string(node) + " of board oi-fr-e5nco is out of range; allowed: 1 to 99");
   }
   EXPECT_TRUE(make_board({"oi-fr-e5nco", 1}, drive));
   EXPECT_TRUE(make_board({"oi-fr-e5nco", 99}, drive));

@@ -81,7 +81,8 @@ TEST_F(TcpSessionTest, OneBytePerSecondDelaysNoOtherConnection) {
 
 TEST_F(TcpSessionTest, PipelinedRequestsAreGivenToTheUnitOneByOneAndAnsweredInOrder) {
   unit.answer_at_once = false;
-  session.handle_bytes(now, concat({adu(1, 5, "06 00 01 00 01"), adu(2, 5, "06 00 01 00 02"), adu(3, 6, "03 00 01 00 01")}));
+  session.handle_bytes(now,
+                       concat({adu(1, 5, "06 00 01 00 01"), adu(2, 5, "06 00 01 00 02"), adu(3, 6, "03 00 01 00 01")}));
   EXPECT_TRUE(drain(session).empty());
   EXPECT_EQ(unit.asked.size(), 1u);
   EXPECT_TRUE(other.asked.empty());
@@ -96,7 +97,8 @@ TEST_F(TcpSessionTest, PipelinedRequestsAreGivenToTheUnitOneByOneAndAnsweredInOr
 
 TEST_F(TcpSessionTest, RequestBeyondTheQueueLimitIsRefusedAsBusyAtOnce) {
   unit.answer_at_once = false;
-  for (std::uint16_t i = 0; i < TcpSession::kMaxQueuedRequests; ++i) session.handle_bytes(now, adu(i, 5, "06 00 01 00 01"));
+  for (std::uint16_t i = 0; i < TcpSession::kMaxQueuedRequests; ++i)
+    session.handle_bytes(now, adu(i, 5, "06 00 01 00 01"));
   EXPECT_TRUE(drain(session).empty());
   session.handle_bytes(now, adu(0x77, 5, "06 00 01 00 01"));
   EXPECT_EQ(drain(session), Strings{"00 77 00 00 00 03 05 86 06"});
@@ -131,7 +133,8 @@ TEST_F(TcpSessionTest, OnlyUnitAnswersForZeroAndTwoHundredFiftyFive) {
   UnitTable single;
   single.add(unit);
   TcpSession direct(3, single);
-  direct.handle_bytes(now, concat({adu(1, 0, "03 00 04 00 01"), adu(2, 255, "03 00 04 00 01"), adu(3, 1, "03 00 04 00 01")}));
+  direct.handle_bytes(
+      now, concat({adu(1, 0, "03 00 04 00 01"), adu(2, 255, "03 00 04 00 01"), adu(3, 1, "03 00 04 00 01")}));
   EXPECT_EQ(drain(direct), (Strings{"00 01 00 00 00 06 00 03 00 04 00 01", "00 02 00 00 00 06 FF 03 00 04 00 01",
                                     "00 03 00 00 00 03 01 83 0B"}));
   ASSERT_EQ(unit.asked.size(), 2u);

@@ -22,17 +22,17 @@ class FakeDrive final : public port::DrivePort {
   };
 
   // What tests set.
-  std::map<std::uint16_t, Parameter> parameters{{0, {60, 0, 300}},         {1, {12000, 0, 12000}}, {7, {50, 0, 36000}},
-                                                {144, {4, 0, 110}},        {345, {25, 0, 255}},    {347, {4, 0, 255}},
-                                                {342, {0, 0, 1, true}},    {4, {5000, 0, 40000, false, true}}};
+  std::map<std::uint16_t, Parameter> parameters{
+      {0, {60, 0, 300}},   {1, {12000, 0, 12000}}, {7, {50, 0, 36000}},    {144, {4, 0, 110}},
+      {345, {25, 0, 255}}, {347, {4, 0, 255}},     {342, {0, 0, 1, true}}, {4, {5000, 0, 40000, false, true}}};
   std::map<unsigned, std::uint16_t> monitors{{1, 0}, {2, 0}, {3, 0}};
   port::AlarmHistory history{};
   port::Status status_now{};
   port::OperationMode mode = port::OperationMode::kExternal;
   bool is_ready = true;
   bool parameters_readable = true;
-  bool write_disabled = false;                   // Pr.77 = 1
-  std::uint32_t max_frequency = 40000;           // 0.01 Hz
+  bool write_disabled = false;          // Pr.77 = 1
+  std::uint32_t max_frequency = 40000;  // 0.01 Hz
   unsigned ticks_to_decide = 1;
   unsigned dead_ticks_after_reset = 100;
   std::optional<port::Refusal> refuse_decision;  // instead of the decision

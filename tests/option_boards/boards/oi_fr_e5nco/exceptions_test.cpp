@@ -1,6 +1,5 @@
 // Each exception code by each cause. OI-FR-E5NCO manual, 8.8.
 #include "option_boards/boards/oi_fr_e5nco/exception_codes.hpp"
-
 #include "tests/option_boards/support/board_bench.hpp"
 
 namespace vinv::test {
@@ -25,8 +24,8 @@ TEST_F(OiFrE5ncoExceptions, OneForEveryOtherFunction) {
 }
 
 TEST_F(OiFrE5ncoExceptions, TwoForAddressesOutsideTheMap) {
-  for (const unsigned address : {0u, 1u, 2000u, 19998u, 22000u, 22998u, 23008u, 23098u, 23106u, 23998u, 24008u, 24998u,
-                                 25004u, 25998u, 26002u, 26998u, 27018u, 30000u, 65534u, 65535u}) {
+  for (const unsigned address : {0u,     1u,     2000u,  19998u, 22000u, 22998u, 23008u, 23098u, 23106u, 23998u,
+                                 24008u, 24998u, 25004u, 25998u, 26002u, 26998u, 27018u, 30000u, 65534u, 65535u}) {
     EXPECT_EQ(read(address), "83 02") << address;
     EXPECT_EQ(write(address, 0), "86 02") << address;
   }
@@ -41,8 +40,8 @@ TEST_F(OiFrE5ncoExceptions, TwoForRangesThatAreOverrun) {
 }
 
 TEST_F(OiFrE5ncoExceptions, TwoForAParameterThatTheFamilyDoesNotHave) {
-  EXPECT_EQ(read(20056), "83 02");      // Pr.28
-  EXPECT_EQ(read(20014, 2), "83 02");   // Pr.7 is there, Pr.8 not in this table
+  EXPECT_EQ(read(20056), "83 02");     // Pr.28
+  EXPECT_EQ(read(20014, 2), "83 02");  // Pr.7 is there, Pr.8 not in this table
   EXPECT_EQ(write(20056, 1), "86 02");
 }
 
@@ -143,10 +142,10 @@ TEST_F(OiFrE5ncoExceptions, SixWhileAnotherWriteIsInProgress) {
 
 TEST_F(OiFrE5ncoExceptions, EveryRefusalOfTheDecisionHasItsCode) {
   const std::pair<Refusal, const char*> codes[] = {
-      {Refusal::kNoSuchItem, "86 02"},    {Refusal::kOutOfRange, "86 03"},   {Refusal::kReadOnly, "86 05"},
-      {Refusal::kWriteOnly, "86 02"},     {Refusal::kRunning, "86 05"},      {Refusal::kWriteDisabled, "86 05"},
-      {Refusal::kWrongMode, "86 05"},     {Refusal::kModeChangeRefused, "86 05"}, {Refusal::kBusy, "86 06"},
-      {Refusal::kNotReady, "86 04"},      {Refusal::kFaulted, "86 05"},      {Refusal::kNotFaulted, "86 05"}};
+      {Refusal::kNoSuchItem, "86 02"}, {Refusal::kOutOfRange, "86 03"},        {Refusal::kReadOnly, "86 05"},
+      {Refusal::kWriteOnly, "86 02"},  {Refusal::kRunning, "86 05"},           {Refusal::kWriteDisabled, "86 05"},
+      {Refusal::kWrongMode, "86 05"},  {Refusal::kModeChangeRefused, "86 05"}, {Refusal::kBusy, "86 06"},
+      {Refusal::kNotReady, "86 04"},   {Refusal::kFaulted, "86 05"},           {Refusal::kNotFaulted, "86 05"}};
   for (const auto& [refusal, answer] : codes) {
     drive.refuse_decision = refusal;
     EXPECT_EQ(write(24002, 100), answer) << static_cast<int>(refusal);

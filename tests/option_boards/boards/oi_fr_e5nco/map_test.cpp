@@ -76,10 +76,15 @@ TEST_F(OiFrE5ncoMap, MeasuresAreMonitorsOneToThree) {
 
 TEST_F(OiFrE5ncoMap, StatusBitsStandWhereTheManualPutsThem) {
   using port::Status;
-  const std::pair<bool Status::*, unsigned> bits[] = {
-      {&Status::running, 0}, {&Status::forward, 1}, {&Status::reverse, 2}, {&Status::up_to_frequency, 3},
-      {&Status::overload, 4}, {&Status::power_failure, 5}, {&Status::frequency_detected, 6}, {&Status::alarm, 7},
-      {&Status::ready, 15}};
+  const std::pair<bool Status::*, unsigned> bits[] = {{&Status::running, 0},
+                                                      {&Status::forward, 1},
+                                                      {&Status::reverse, 2},
+                                                      {&Status::up_to_frequency, 3},
+                                                      {&Status::overload, 4},
+                                                      {&Status::power_failure, 5},
+                                                      {&Status::frequency_detected, 6},
+                                                      {&Status::alarm, 7},
+                                                      {&Status::ready, 15}};
   EXPECT_EQ(read(24000), words({0}));
   for (const auto& [member, bit] : bits) {
     drive.status_now = {};
@@ -89,9 +94,9 @@ TEST_F(OiFrE5ncoMap, StatusBitsStandWhereTheManualPutsThem) {
 }
 
 TEST_F(OiFrE5ncoMap, CommandBitsBecomeTerminals) {
-  const std::pair<unsigned, NetTerminal> bits[] = {{0, NetTerminal::kStop}, {1, NetTerminal::kStf}, {2, NetTerminal::kStr},
-                                                   {3, NetTerminal::kRh},   {4, NetTerminal::kRm},  {5, NetTerminal::kRl},
-                                                   {10, NetTerminal::kMrs}};
+  const std::pair<unsigned, NetTerminal> bits[] = {
+      {0, NetTerminal::kStop}, {1, NetTerminal::kStf}, {2, NetTerminal::kStr}, {3, NetTerminal::kRh},
+      {4, NetTerminal::kRm},   {5, NetTerminal::kRl},  {10, NetTerminal::kMrs}};
   for (const auto& [bit, terminal] : bits) {
     EXPECT_EQ(write(24000, 1u << bit), echo(24000, 1u << bit));
     ASSERT_FALSE(drive.executed.empty());
@@ -120,9 +125,18 @@ TEST_F(OiFrE5ncoMap, SpeedInRpmUsesTheManualsIntegerFormula) {
   struct Case {
     unsigned pr144, rpm, raw_frequency, rpm_back;
   };
-  const Case cases[] = {{4, 100, 333, 99},    {4, 1500, 5000, 1500}, {2, 3000, 5000, 3000}, {6, 1000, 5000, 1000},
-                        {8, 750, 5000, 750},  {10, 600, 5000, 600},  {104, 1500, 5000, 1500}, {102, 3000, 5000, 3000},
-                        {0, 1500, 5000, 1500}, {110, 600, 5000, 600}, {4, 1, 3, 0},          {4, 0, 0, 0},
+  const Case cases[] = {{4, 100, 333, 99},
+                        {4, 1500, 5000, 1500},
+                        {2, 3000, 5000, 3000},
+                        {6, 1000, 5000, 1000},
+                        {8, 750, 5000, 750},
+                        {10, 600, 5000, 600},
+                        {104, 1500, 5000, 1500},
+                        {102, 3000, 5000, 3000},
+                        {0, 1500, 5000, 1500},
+                        {110, 600, 5000, 600},
+                        {4, 1, 3, 0},
+                        {4, 0, 0, 0},
                         {6, 7, 35, 7}};
   for (const Case& c : cases) {
     drive.parameters[144].value = c.pr144;

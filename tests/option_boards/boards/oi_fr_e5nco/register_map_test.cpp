@@ -28,11 +28,11 @@ TEST(RegisterMap, HoldsTheRangesOfTheManualsTableAndNothingElse) {
     std::uint32_t first, last;
     bool read, write;
   };
-  const Printed printed[] = {
-      {20000, 21802, true, true},  {21812, 21998, true, true},   // 8.7.1 without Pr.902-905
-      {23000, 23006, true, false}, {23100, 23104, true, false},  {24000, 24000, true, true}, {24002, 24002, true, true},
-      {24004, 24004, true, true},  {24006, 24006, false, true},  {25000, 25000, false, true}, {25002, 25002, false, true},
-      {26000, 26000, false, true}, {27000, 27016, true, false}};
+  const Printed printed[] = {{20000, 21802, true, true},  {21812, 21998, true, true},  // 8.7.1 without Pr.902-905
+                             {23000, 23006, true, false}, {23100, 23104, true, false}, {24000, 24000, true, true},
+                             {24002, 24002, true, true},  {24004, 24004, true, true},  {24006, 24006, false, true},
+                             {25000, 25000, false, true}, {25002, 25002, false, true}, {26000, 26000, false, true},
+                             {27000, 27016, true, false}};
   for (std::uint32_t address = 0; address <= 0x10100; ++address) {
     bool read = false, write = false;
     for (const Printed& p : printed) {

@@ -1,6 +1,5 @@
 // Start-up settings: Pr.345 and switches (OI-FR-E5NCO manual, 2.3, 5.1, 8.4), Pr.347 (8.3).
 #include "option_boards/boards/oi_fr_e5nco/startup_settings.hpp"
-
 #include "tests/option_boards/support/board_bench.hpp"
 
 namespace vinv::test {
@@ -162,9 +161,9 @@ TEST_F(OiFrE5ncoStartup, AnswerComesAfterSilenceAndTheDelayOfPr347) {
     std::uint32_t pr347;
     Duration after_last_byte;
   };
-  const Case cases[] = {{0x04, 3645833ns},        {0x24, 3645833ns + 1ms}, {0x44, 3645833ns + 2ms}, {0x64, 3645833ns + 3ms},
-                        {0x14, 4010416ns},        {0x06, 1750us},          {0x66, 1750us + 3ms},    {0x01, 29166666ns},
-                        {0x19 + 0x60, 32083333ns + 3ms}};
+  const Case cases[] = {{0x04, 3645833ns},       {0x24, 3645833ns + 1ms}, {0x44, 3645833ns + 2ms},
+                        {0x64, 3645833ns + 3ms}, {0x14, 4010416ns},       {0x06, 1750us},
+                        {0x66, 1750us + 3ms},    {0x01, 29166666ns},      {0x19 + 0x60, 32083333ns + 3ms}};
   for (const Case& c : cases) {
     drive.parameters[347].value = c.pr347;
     power_cycle();
