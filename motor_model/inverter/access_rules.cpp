@@ -14,13 +14,11 @@ bool mode_permits(const AccessSituation& s) {
 std::optional<port::Refusal> write_refusal(const ParameterRow& row, const AccessSituation& s) {
   if (row.kind == ParameterKind::kManufacturer || row.read_only) return port::Refusal::kReadOnly;
   if (!s.in_user_group) return port::Refusal::kWriteDisabled;
-  const bool any_mode =
-      s.disable == WriteDisable::kAlways || (s.writer == Writer::kPanel && row.panel_any_mode);
+  const bool any_mode = s.disable == WriteDisable::kAlways || (s.writer == Writer::kPanel && row.panel_any_mode);
   if (!any_mode && !mode_permits(s)) return port::Refusal::kWrongMode;
   if (s.disable == WriteDisable::kLocked && !row.write_when_locked) return port::Refusal::kWriteDisabled;
   if (s.running) {
-    const bool permitted =
-        s.disable == WriteDisable::kAlways ? row.write_while_running_free : row.write_while_running;
+    const bool permitted = s.disable == WriteDisable::kAlways ? row.write_while_running_free : row.write_while_running;
     if (!permitted) return port::Refusal::kRunning;
   }
   return std::nullopt;

@@ -13,9 +13,9 @@ namespace vinv::inverter {
 enum class Writer : std::uint8_t { kPanel, kNetwork };
 
 enum class WriteDisable : std::uint8_t {
-  kStopped,   // 0: only while stopped, but for rows that say otherwise
-  kLocked,    // 1: only rows that stay writable when locked
-  kAlways,    // 2: while running too, but for rows that say otherwise; in every operation mode
+  kStopped,  // 0: only while stopped, but for rows that say otherwise
+  kLocked,   // 1: only rows that stay writable when locked
+  kAlways,   // 2: while running too, but for rows that say otherwise; in every operation mode
 };
 
 struct AccessSituation {
@@ -23,7 +23,7 @@ struct AccessSituation {
   port::OperationMode mode = port::OperationMode::kExternal;
   WriteDisable disable = WriteDisable::kStopped;
   bool running = false;
-  bool in_user_group = true;   // panel only: the row is in a group that may be seen
+  bool in_user_group = true;  // panel only: the row is in a group that may be seen
 };
 
 // Empty: may be written (the value is checked apart).

@@ -52,7 +52,8 @@ Result<AlarmTable, std::string> AlarmTable::load(std::string_view csv) {
       continue;
     }
     if (const std::string& trip = in.text("trip_kind"); !trip.empty()) {
-      const auto* known = std::find_if(kTripNames.begin(), kTripNames.end(), [&](const auto& n) { return n.first == trip; });
+      const auto* known =
+          std::find_if(kTripNames.begin(), kTripNames.end(), [&](const auto& n) { return n.first == trip; });
       if (known == kTripNames.end()) {
         in.fail("trip_kind", "'" + trip + "' is not a trip of the control core");
       } else {
@@ -72,7 +73,8 @@ Result<AlarmTable, std::string> AlarmTable::load(std::string_view csv) {
     } else if (reset != "any") {
       in.fail("reset", "must be any or power");
     }
-    if (code == 0 || out.by_code(row.code) || out.by_name(row.name)) in.fail("name", row.name + ": name or code is there twice or 0");
+    if (code == 0 || out.by_code(row.code) || out.by_name(row.name))
+      in.fail("name", row.name + ": name or code is there twice or 0");
     out.rows_.push_back(std::move(row));
   }
   if (in.error()) return Unexpected(*in.error());

@@ -25,12 +25,14 @@ struct AlarmRow {
   std::uint32_t retry_settings = 0;          // bit n: retried with retry selection n
   ResetRule reset = ResetRule::kAny;
   std::string cause;
-  std::uint16_t emergency_code = 0;          // CANopen emergency error code
-  std::uint8_t error_register = 0;           // CANopen object 1001H
+  std::uint16_t emergency_code = 0;  // CANopen emergency error code
+  std::uint8_t error_register = 0;   // CANopen object 1001H
   std::string source;
   std::string confidence;
 
-  bool retried_with(int selection) const { return selection >= 0 && selection < 32 && (retry_settings >> selection & 1u); }
+  bool retried_with(int selection) const {
+    return selection >= 0 && selection < 32 && (retry_settings >> selection & 1u);
+  }
 };
 
 class AlarmTable {
@@ -42,7 +44,7 @@ class AlarmTable {
   std::optional<std::size_t> by_trip(drive::TripKind kind) const;
 
  private:
-  std::vector<AlarmRow> rows_;   // without "none"
+  std::vector<AlarmRow> rows_;  // without "none"
 };
 
 // Newest first; the oldest falls off.

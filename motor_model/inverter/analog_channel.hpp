@@ -6,7 +6,7 @@
 namespace vinv::inverter {
 
 struct AnalogLine {
-  double bias_percent = 0;    // of full scale
+  double bias_percent = 0;  // of full scale
   double bias_hz = 0;
   double gain_percent = 100;
   double gain_hz = 50;

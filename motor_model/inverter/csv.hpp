@@ -31,9 +31,9 @@ class CsvReader {
   std::size_t size() const { return table_.rows.size(); }
   void select(std::size_t row) { row_ = row; }
   const std::string& text(std::string_view column);
-  double number(std::string_view column);             // a missing or wrong number is an error
+  double number(std::string_view column);  // a missing or wrong number is an error
   long integer(std::string_view column, int base = 10);
-  bool yes(std::string_view column);                  // "yes"; "no" and "unknown" are false; anything else is an error
+  bool yes(std::string_view column);  // "yes"; "no" and "unknown" are false; anything else is an error
   void fail(std::string_view column, const std::string& why);
   const std::optional<std::string>& error() const { return error_; }
 

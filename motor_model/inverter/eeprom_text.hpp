@@ -1,6 +1,6 @@
-// The EEPROM of one inverter as text: a versioned header with family and model, one line per stored parameter, counters,
-// user groups, the alarm history, and a CRC-32 over everything before it in the last line. Strict: what parse() accepts
-// is what emit() wrote, so a changed byte never passes.
+// The EEPROM of one inverter as text: a versioned header with family and model, one line per stored parameter,
+// counters, user groups, the alarm history, and a CRC-32 over everything before it in the last line. Strict: what
+// parse() accepts is what emit() wrote, so a changed byte never passes.
 #pragma once
 
 #include <array>

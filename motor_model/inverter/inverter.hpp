@@ -21,13 +21,13 @@ enum class PanelKey : std::uint8_t { kFwd, kRev, kStopReset, kPuExt, kUp, kDown,
 using Outcome = Result<void, std::string>;
 
 struct InverterConfig {
-  std::string model;                                  // "FR-E540-1.5K"
+  std::string model;  // "FR-E540-1.5K"
   plant::MachineParameters motor;
   plant::LoadSettings load;
-  std::optional<plant::LossSettings> losses;          // default: typical for the motor
-  std::optional<plant::MainsState> mains;             // default: nominal for the model
+  std::optional<plant::LossSettings> losses;  // default: typical for the motor
+  std::optional<plant::MainsState> mains;     // default: nominal for the model
   double ambient_c = 25;
-  double brake_resistance_ohm = 0;                    // external brake resistor; 0: none
+  double brake_resistance_ohm = 0;  // external brake resistor; 0: none
   std::optional<double> source_resistance_ohm;
   bool option_fitted = true;
   plant::SolverSettings solver;
@@ -38,12 +38,12 @@ struct ParameterInfo {
   std::string_view name;
   std::string_view unit;
   double minimum = 0, maximum = 0, increment = 1;
-  std::string_view special;                           // "8888|9999" or empty
-  std::string_view allowed;                           // allowed set where the range has holes, or empty
+  std::string_view special;  // "8888|9999" or empty
+  std::string_view allowed;  // allowed set where the range has holes, or empty
   double factory_default = 0;
   std::string_view source;
   std::string_view confidence;
-  std::string_view effect;                            // what it does here, or why it does nothing in a simulation
+  std::string_view effect;  // what it does here, or why it does nothing in a simulation
   bool acts = true;
 };
 
@@ -68,29 +68,33 @@ class Inverter {
   // Operation panel / parameter unit.
   virtual Outcome press_key(PanelKey key) = 0;
   virtual Outcome set_panel_frequency(double hz) = 0;
-  virtual std::string display() const = 0;            // what the panel's digits show: "50.00", "E.OV3", ...
+  virtual std::string display() const = 0;  // what the panel's digits show: "50.00", "E.OV3", ...
   // Control terminals by their printed name (STF, STR, RH, RM, RL, MRS, RES, ...); analog in V or mA ("2", "4").
   virtual Outcome set_terminal(std::string_view terminal, bool on) = 0;
   virtual Outcome set_analog(std::string_view terminal, double value) = 0;
-  virtual std::vector<std::pair<std::string_view, bool>> terminals() const = 0;   // inputs, then outputs
+  virtual std::vector<std::pair<std::string_view, bool>> terminals() const = 0;  // inputs, then outputs
   virtual std::vector<std::string_view> analog_terminals() const = 0;
   // As from the panel: physical value ("5.0" for Pr.7 = 5 s), with the panel's own rules (mode, Pr.77).
-  virtual Outcome set_parameter(std::string_view name, double value) = 0;         // "Pr.7" or "Pr.902.1"
+  // "Pr.7" or "Pr.902.1"; "Pr.CL", "ALLC" and "Er.CL" with value 1 clear parameters, all of them, the alarm history.
+  virtual Outcome set_parameter(std::string_view name, double value) = 0;
   virtual Result<double, std::string> get_parameter(std::string_view name) const = 0;
   // First-start values of the plant file: written before the first power-on, outside the panel's rules.
   virtual Outcome preset_parameter(std::string_view name, double value) = 0;
   virtual std::vector<ParameterInfo> parameters() const = 0;
 
   // Surroundings.
-  virtual void set_power(bool on) = 0;                 // the drive's own breaker
+  virtual void set_power(bool on) = 0;  // the drive's own breaker
+  // True while the control supply is alive: from the breaker's closing (with enough mains) until the DC link has
+  // fallen.
   virtual bool powered() const = 0;
   virtual void set_mains(const plant::MainsState& mains) = 0;
   virtual void set_load(const plant::LoadSettings& load) = 0;
   virtual void set_shaft_locked(bool locked) = 0;
   virtual void set_ambient(double celsius) = 0;
   virtual const plant::PowerPlant& plant() const = 0;
-  // Faults by name: an alarm of the family ("E.PE"), or a cause ("earth_fault", "output_phase_open", "brake_transistor",
-  // "eeprom_write", "option", "external_thermal"). on = false removes a cause.
+  // Faults by name: an alarm of the family ("E.PE"), which is an event and stays until reset, or a cause
+  // ("earth_fault", "output_phase_open", "brake_transistor", "eeprom_write", "option", "external_thermal"). on = false
+  // removes a cause.
   virtual Outcome inject_fault(std::string_view fault, bool on) = 0;
   virtual std::vector<std::string_view> injectable_faults() const = 0;
 
@@ -101,7 +105,7 @@ class Inverter {
 
   // EEPROM: the text of the file, versioned. The owner stores it when changed() says so, and hands it back at start.
   virtual std::string eeprom_text() const = 0;
-  virtual bool take_eeprom_changed() = 0;              // true once after each change
+  virtual bool take_eeprom_changed() = 0;  // true once after each change
   // Refuses a damaged text with line and reason; the inverter then has its storage alarm (E.PE) and factory values.
   virtual Outcome load_eeprom(std::string_view text) = 0;
 };

@@ -21,7 +21,7 @@ struct ModelRow {
   double over_voltage_v = 0;
   double under_voltage_v = 0;
   double under_voltage_clear_v = 0;
-  double control_off_v = 0;         // DC link below which the control supply dies, and above which it comes back
+  double control_off_v = 0;  // DC link below which the control supply dies, and above which it comes back
   double control_on_v = 0;
   double chopper_on_v = 0;
   double chopper_off_v = 0;
@@ -29,7 +29,7 @@ struct ModelRow {
   double heat_sink_k_per_w = 0;
   double heat_sink_time_constant_s = 0;
   double heat_sink_trip_c = 0;
-  double restart_coast_s = 0;       // wait after a power failure when left to the drive
+  double restart_coast_s = 0;  // wait after a power failure when left to the drive
   // the standard motor of this capacity, where parameters are left at 9999
   double standard_motor_r1_ohm = 0;
   double standard_motor_slip_percent = 0;

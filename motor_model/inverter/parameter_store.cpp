@@ -29,8 +29,7 @@ double ParameterStore::physical(std::size_t row, std::int32_t raw) const {
 }
 
 double ParameterStore::value(unsigned number, unsigned sub) const {
-  const auto row =
-      table_->index(port::ParameterId{static_cast<std::uint16_t>(number), static_cast<std::uint8_t>(sub)});
+  const auto row = table_->index(port::ParameterId{static_cast<std::uint16_t>(number), static_cast<std::uint8_t>(sub)});
   return row ? physical(*row, ram_[*row]) : 0;
 }
 
@@ -66,9 +65,7 @@ std::string ParameterStore::allowed_text(std::size_t row) const {
 
 Result<std::int32_t, std::string> ParameterStore::from_physical(std::size_t row, double value) const {
   const ParameterRow& r = table_->rows()[row];
-  const auto refuse = [&] {
-    return Unexpected(r.label + " (" + r.name + ") takes " + allowed_text(row));
-  };
+  const auto refuse = [&] { return Unexpected(r.label + " (" + r.name + ") takes " + allowed_text(row)); };
   if (r.kind == ParameterKind::kManufacturer || !std::isfinite(value)) return refuse();
   if (r.has_9999 && value == 9999) return kRaw9999;
   if (r.has_8888 && value == 8888) return kRaw8888;

@@ -125,7 +125,8 @@ Result<ParameterTable, std::string> ParameterTable::load(std::string_view csv) {
     row.notes = in.text("notes");
     row.effect = in.text("effect");
     row.acts = in.yes("acts");
-    if (row.name.empty() || row.effect.empty() || row.source.empty()) in.fail("name", "name, effect or source is empty");
+    if (row.name.empty() || row.effect.empty() || row.source.empty())
+      in.fail("name", "name, effect or source is empty");
     const std::string& kind = in.text("kind");
     if (kind == "command") {
       row.kind = ParameterKind::kCommand;
@@ -237,7 +238,8 @@ std::optional<std::size_t> ParameterTable::index(std::string_view label) const {
   if (label.substr(0, 3) == "Pr.") label.remove_prefix(3);
   const std::size_t dot = label.find('.');
   const auto number = parse_integer(label.substr(0, dot));
-  const auto sub = dot == std::string_view::npos ? std::optional<std::int64_t>(0) : parse_integer(label.substr(dot + 1));
+  const auto sub =
+      dot == std::string_view::npos ? std::optional<std::int64_t>(0) : parse_integer(label.substr(dot + 1));
   if (!number || !sub || *number < 0 || *number >= static_cast<std::int64_t>(kNumbers) || *sub < 0 || *sub > 2) {
     return std::nullopt;
   }

@@ -1,5 +1,6 @@
 // The parameters of a family (families/*/parameters.csv): number, range, increment, default, access, and what each does
-// here. Values are whole numbers of the increment ("raw"); 8888 and 9999 travel as 65520 and 65535 where a row has them.
+// here. Values are whole numbers of the increment ("raw"); 8888 and 9999 travel as 65520 and 65535 where a row has
+// them.
 #pragma once
 
 #include <array>
@@ -39,13 +40,13 @@ struct FineIncrement {
 
 struct ParameterRow {
   port::ParameterId id;
-  std::string label;                     // "Pr.7", "Pr.902.1"
+  std::string label;  // "Pr.7", "Pr.902.1"
   std::string name;
-  std::string unit;                      // "-" where there is none
-  int decimals = 0;                      // increment = 10^-decimals
+  std::string unit;  // "-" where there is none
+  int decimals = 0;  // increment = 10^-decimals
   std::int32_t raw_minimum = 0;
   std::int32_t raw_maximum = 0;
-  std::vector<RawRange> allowed;         // empty: the whole range
+  std::vector<RawRange> allowed;  // empty: the whole range
   bool has_8888 = false;
   bool has_9999 = false;
   std::optional<FineIncrement> fine;

@@ -8,14 +8,32 @@ namespace vinv::inverter {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, InputSignal>, 12> kInputs{{
-    {"RL", InputSignal::kRl}, {"RM", InputSignal::kRm}, {"RH", InputSignal::kRh}, {"RT", InputSignal::kRt},
-    {"AU", InputSignal::kAu}, {"JOG", InputSignal::kJog}, {"STOP", InputSignal::kStop}, {"MRS", InputSignal::kMrs},
-    {"OH", InputSignal::kOh}, {"REX", InputSignal::kRex}, {"X16", InputSignal::kX16}, {"X18", InputSignal::kX18},
+    {"RL", InputSignal::kRl},
+    {"RM", InputSignal::kRm},
+    {"RH", InputSignal::kRh},
+    {"RT", InputSignal::kRt},
+    {"AU", InputSignal::kAu},
+    {"JOG", InputSignal::kJog},
+    {"STOP", InputSignal::kStop},
+    {"MRS", InputSignal::kMrs},
+    {"OH", InputSignal::kOh},
+    {"REX", InputSignal::kRex},
+    {"X16", InputSignal::kX16},
+    {"X18", InputSignal::kX18},
 }};
 constexpr std::array<std::pair<std::string_view, OutputSignal>, 12> kOutputs{{
-    {"RUN", OutputSignal::kRun}, {"SU", OutputSignal::kSu}, {"OL", OutputSignal::kOl}, {"FU", OutputSignal::kFu},
-    {"RY", OutputSignal::kRy}, {"Y12", OutputSignal::kY12}, {"Y13", OutputSignal::kY13}, {"FDN", OutputSignal::kFdn},
-    {"FUP", OutputSignal::kFup}, {"RL", OutputSignal::kPidForward}, {"LF", OutputSignal::kLf}, {"ABC", OutputSignal::kAbc},
+    {"RUN", OutputSignal::kRun},
+    {"SU", OutputSignal::kSu},
+    {"OL", OutputSignal::kOl},
+    {"FU", OutputSignal::kFu},
+    {"RY", OutputSignal::kRy},
+    {"Y12", OutputSignal::kY12},
+    {"Y13", OutputSignal::kY13},
+    {"FDN", OutputSignal::kFdn},
+    {"FUP", OutputSignal::kFup},
+    {"RL", OutputSignal::kPidForward},
+    {"LF", OutputSignal::kLf},
+    {"ABC", OutputSignal::kAbc},
 }};
 
 template <class Table>

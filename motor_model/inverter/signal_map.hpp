@@ -14,10 +14,32 @@
 namespace vinv::inverter {
 
 enum class InputSignal : std::uint8_t {
-  kRl, kRm, kRh, kRt, kAu, kJog, kStop, kMrs, kOh, kRex, kX16, kX18,
+  kRl,
+  kRm,
+  kRh,
+  kRt,
+  kAu,
+  kJog,
+  kStop,
+  kMrs,
+  kOh,
+  kRex,
+  kX16,
+  kX18,
 };
 enum class OutputSignal : std::uint8_t {
-  kRun, kSu, kOl, kFu, kRy, kY12, kY13, kFdn, kFup, kPidForward, kLf, kAbc,
+  kRun,
+  kSu,
+  kOl,
+  kFu,
+  kRy,
+  kY12,
+  kY13,
+  kFdn,
+  kFup,
+  kPidForward,
+  kLf,
+  kAbc,
 };
 
 template <class Signal>

@@ -6,11 +6,11 @@
 namespace vinv::inverter::e500 {
 namespace {
 
-constexpr double kSettle_s = 2.0;          // the current is brought to its aim
-constexpr double kMeasure_s = 1.0;         // then voltage and current are averaged
-constexpr double kAim = 0.5;               // of the rated current, peak
-constexpr double kIntegral_per_s = 1.5;    // voltage per missing current, in units of limit over rated current
-constexpr double kVoltageLimit = 0.2;      // of the highest phase voltage: more means that no motor is there
+constexpr double kSettle_s = 2.0;        // the current is brought to its aim
+constexpr double kMeasure_s = 1.0;       // then voltage and current are averaged
+constexpr double kAim = 0.5;             // of the rated current, peak
+constexpr double kIntegral_per_s = 1.5;  // voltage per missing current, in units of limit over rated current
+constexpr double kVoltageLimit = 0.2;    // of the highest phase voltage: more means that no motor is there
 
 }  // namespace
 

@@ -100,7 +100,7 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   InputSignals wired_signals() const;
   bool has_function(InputSignal signal) const;
   struct Inputs {
-    InputSignals signals;               // of the sources that count in this mode
+    InputSignals signals;  // of the sources that count in this mode
     drive::RunDirection direction = drive::RunDirection::kStop;
     bool output_stop = false;
     bool external_thermal = false;
@@ -121,9 +121,9 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   void raise(std::string_view name, std::string cause);
   void follow_retry();
   std::string trip_cause(const AlarmRow& row, const drive::Trip& trip) const;
-  bool reset_accepted() const;          // Pr.75 and the alarm's own rule
+  bool reset_accepted() const;  // Pr.75 and the alarm's own rule
   void begin_reset();
-  bool alarm_visible() const;           // not while a retry without alarm output waits
+  bool alarm_visible() const;  // not while a retry without alarm output waits
 
   // --- parameters and EEPROM (inverter_parameters.cpp) ---
   Outcome write_from_panel(std::size_t row, double value);

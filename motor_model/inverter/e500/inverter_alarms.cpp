@@ -35,8 +35,12 @@ std::string E500Inverter::trip_cause(const AlarmRow& row, const drive::Trip& tri
 
   std::string motion;
   switch (trip.state) {
-    case RunState::kAccelerating: motion = format("accelerating in %.4g s with %.4g kg m2", s.acceleration_s, inertia); break;
-    case RunState::kDecelerating: motion = format("decelerating in %.4g s with %.4g kg m2", s.deceleration_s, inertia); break;
+    case RunState::kAccelerating:
+      motion = format("accelerating in %.4g s with %.4g kg m2", s.acceleration_s, inertia);
+      break;
+    case RunState::kDecelerating:
+      motion = format("decelerating in %.4g s with %.4g kg m2", s.deceleration_s, inertia);
+      break;
     case RunState::kDcBraking: motion = "in DC injection braking"; break;
     case RunState::kConstant: motion = format("at constant speed with %.4g Nm of load", m.load_torque_nm); break;
     default: motion = "with the output off"; break;
@@ -45,8 +49,7 @@ std::string E500Inverter::trip_cause(const AlarmRow& row, const drive::Trip& tri
   switch (trip.kind) {
     case TripKind::kOverVoltageAcceleration:
     case TripKind::kOverVoltageConstant:
-    case TripKind::kOverVoltageDeceleration:
-      return format("DC link %.0f V ", trip.value) + when;
+    case TripKind::kOverVoltageDeceleration: return format("DC link %.0f V ", trip.value) + when;
     case TripKind::kOverCurrentAcceleration:
     case TripKind::kOverCurrentConstant:
     case TripKind::kOverCurrentDeceleration:
@@ -55,14 +58,18 @@ std::string E500Inverter::trip_cause(const AlarmRow& row, const drive::Trip& tri
              when;
     case TripKind::kInverterOverload:
       return format("output current %.2f A, rated %.2f A, for too long, ", m.output_current_a_rms,
-                    model_.rated_current_a_rms) + when;
+                    model_.rated_current_a_rms) +
+             when;
     case TripKind::kMotorOverload:
       return format("output current %.2f A, motor thermal set to %.2f A, for too long, ", m.output_current_a_rms,
-                    s.electronic_thermal_a_rms) + when;
-    case TripKind::kHeatSink: return format("heat sink %.0f degC (level %.0f degC) ", m.heat_sink_c, s.heat_sink_trip_c) + when;
+                    s.electronic_thermal_a_rms) +
+             when;
+    case TripKind::kHeatSink:
+      return format("heat sink %.0f degC (level %.0f degC) ", m.heat_sink_c, s.heat_sink_trip_c) + when;
     case TripKind::kStallPrevention:
       return format("stall prevention at %.0f %% with %.2f A and %.4g Nm of load%s ", s.stall_level_percent,
-                    m.output_current_a_rms, m.load_torque_nm, plant_.shaft_locked() ? ", shaft locked, " : ",") + when;
+                    m.output_current_a_rms, m.load_torque_nm, plant_.shaft_locked() ? ", shaft locked, " : ",") +
+             when;
     case TripKind::kBrakeTransistor:
     case TripKind::kEarthFault:
     case TripKind::kOutputPhaseLoss:

@@ -102,7 +102,8 @@ Outcome E500Inverter::press_key(PanelKey key) {
           v_.panel.screen = v_.mode == OperationMode::kPu && !running() ? Screen::kJog : Screen::kMonitor;
           break;
         case Screen::kJog:
-          if (v_.panel.run != RunDirection::kStop || running()) return Unexpected(std::string("stop the jog run first"));
+          if (v_.panel.run != RunDirection::kStop || running())
+            return Unexpected(std::string("stop the jog run first"));
           v_.panel.jog_run = false;
           v_.panel.screen = Screen::kMonitor;
           break;

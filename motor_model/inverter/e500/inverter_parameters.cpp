@@ -153,7 +153,8 @@ Outcome E500Inverter::write_from_panel(std::size_t row, double value) {
     switch (*refusal) {
       case Refusal::kReadOnly: return Unexpected(r.label + " cannot be written");
       case Refusal::kWrongMode:
-        return Unexpected(r.label + " is written from the panel in PU operation (or with Pr.77 = 2); " + mode_sentence());
+        return Unexpected(r.label + " is written from the panel in PU operation (or with Pr.77 = 2); " +
+                          mode_sentence());
       case Refusal::kWriteDisabled: return Unexpected(r.label + " is locked by Pr.77 = 1");
       default: return Unexpected(r.label + " cannot be written while the inverter runs");
     }
@@ -181,7 +182,8 @@ Outcome E500Inverter::set_parameter(std::string_view name, double value) {
       return {};
     }
     if (const auto refusal = clear_refusal(access(Writer::kPanel))) {
-      if (*refusal == Refusal::kWrongMode) return Unexpected(std::string(name) + " needs PU operation; " + mode_sentence());
+      if (*refusal == Refusal::kWrongMode)
+        return Unexpected(std::string(name) + " needs PU operation; " + mode_sentence());
       if (*refusal == Refusal::kRunning) return Unexpected(std::string(name) + " needs a stopped inverter");
       return Unexpected(std::string(name) + " is locked by Pr.77 = 1");
     }

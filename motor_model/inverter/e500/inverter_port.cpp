@@ -15,7 +15,7 @@ using port::WriteRequest;
 
 namespace {
 
-constexpr std::uint32_t kMostFrequency = 40000;   // 0.01 Hz
+constexpr std::uint32_t kMostFrequency = 40000;  // 0.01 Hz
 
 }  // namespace
 

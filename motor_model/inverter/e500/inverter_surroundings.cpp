@@ -16,14 +16,22 @@ struct TerminalName {
   Terminal terminal;
 };
 constexpr std::array<TerminalName, kTerminalCount> kInputs{{
-    {"STF", kStf}, {"STR", kStr}, {"RL", kRl}, {"RM", kRm}, {"RH", kRh}, {"MRS", kMrs}, {"RES", kRes},
+    {"STF", kStf},
+    {"STR", kStr},
+    {"RL", kRl},
+    {"RM", kRm},
+    {"RH", kRh},
+    {"MRS", kMrs},
+    {"RES", kRes},
 }};
 struct OutputName {
   std::string_view name;
   unsigned function;
 };
 constexpr std::array<OutputName, 3> kOutputs{{
-    {"RUN", pr::kRunFunction}, {"FU", pr::kFuFunction}, {"ABC", pr::kAbcFunction},
+    {"RUN", pr::kRunFunction},
+    {"FU", pr::kFuFunction},
+    {"ABC", pr::kAbcFunction},
 }};
 constexpr double kMostVoltage_v = 10;
 constexpr double kMostCurrent_ma = 20;
@@ -161,9 +169,7 @@ void E500Inverter::set_mains(const plant::MainsState& mains) {
   set_power(breaker_);
 }
 
-bool E500Inverter::powered() const {
-  return control_alive_ || (breaker_ && rectified_v(mains_) > model_.control_on_v);
-}
+bool E500Inverter::powered() const { return control_alive_ || (breaker_ && rectified_v(mains_) > model_.control_on_v); }
 
 // --- faults ---
 
@@ -250,7 +256,8 @@ Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& c
   if (config.source_resistance_ohm && !(*config.source_resistance_ohm > 0)) {
     return Unexpected(std::string("source resistance: must be above 0 ohm"));
   }
-  if (config.mains && !(config.mains->voltage_v_rms >= 0 && config.mains->voltage_v_rms <= 1.5 * model->voltage_class_v)) {
+  if (config.mains &&
+      !(config.mains->voltage_v_rms >= 0 && config.mains->voltage_v_rms <= 1.5 * model->voltage_class_v)) {
     return Unexpected("mains: a " + model->model + " takes 0 to " +
                       std::to_string(static_cast<int>(1.5 * model->voltage_class_v)) + " V");
   }

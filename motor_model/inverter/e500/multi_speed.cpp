@@ -6,10 +6,22 @@ namespace vinv::inverter::e500 {
 namespace {
 
 // Parameter by RL | RM << 1 | RH << 2 | REX << 3; 0 stands for none.
-constexpr unsigned kSpeedOf[16] = {0,           pr::kSpeedLow,   pr::kSpeedMiddle, pr::kSpeed4,
-                                   pr::kSpeedHigh, pr::kSpeed4 + 1, pr::kSpeed4 + 2,  pr::kSpeed4 + 3,
-                                   pr::kSpeed8,    pr::kSpeed8 + 1, pr::kSpeed8 + 2,  pr::kSpeed8 + 3,
-                                   pr::kSpeed8 + 4, pr::kSpeed8 + 5, pr::kSpeed8 + 6, pr::kSpeed8 + 7};
+constexpr unsigned kSpeedOf[16] = {0,
+                                   pr::kSpeedLow,
+                                   pr::kSpeedMiddle,
+                                   pr::kSpeed4,
+                                   pr::kSpeedHigh,
+                                   pr::kSpeed4 + 1,
+                                   pr::kSpeed4 + 2,
+                                   pr::kSpeed4 + 3,
+                                   pr::kSpeed8,
+                                   pr::kSpeed8 + 1,
+                                   pr::kSpeed8 + 2,
+                                   pr::kSpeed8 + 3,
+                                   pr::kSpeed8 + 4,
+                                   pr::kSpeed8 + 5,
+                                   pr::kSpeed8 + 6,
+                                   pr::kSpeed8 + 7};
 
 }  // namespace
 

@@ -7,8 +7,14 @@ using port::OperationMode;
 using port::Refusal;
 
 enum Pr79 : int {
-  kSwitchable = 0, kPuOnly = 1, kExternalOnly = 2, kCombined1 = 3, kCombined2 = 4, kSwitchWhileRunning = 6,
-  kInterlock = 7, kX16 = 8,
+  kSwitchable = 0,
+  kPuOnly = 1,
+  kExternalOnly = 2,
+  kCombined1 = 3,
+  kCombined2 = 4,
+  kSwitchWhileRunning = 6,
+  kInterlock = 7,
+  kX16 = 8,
 };
 
 bool network_reachable(const ModeSituation& s) {
@@ -23,7 +29,8 @@ bool network_reachable(const ModeSituation& s) {
 }
 
 bool panel_reachable(const ModeSituation& s) {
-  return s.raw_pr79 == kSwitchable || s.raw_pr79 == kSwitchWhileRunning || (s.raw_pr79 == kInterlock && s.interlock_off);
+  return s.raw_pr79 == kSwitchable || s.raw_pr79 == kSwitchWhileRunning ||
+         (s.raw_pr79 == kInterlock && s.interlock_off);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ struct ModeSituation {
   bool interlock_off = false;  // MRS on while Pr.79 = 7: PU operation is permitted
   bool x16 = false;            // Pr.79 = 8: on is external operation
   bool option_fitted = true;
-  bool stopped = true;         // output off
-  bool start_signal = false;   // any start command of any source
+  bool stopped = true;        // output off
+  bool start_signal = false;  // any start command of any source
 };
 
 // Mode after power-on or reset.

@@ -9,8 +9,8 @@ namespace vinv::inverter::e500 {
 
 struct Retry {
   enum class Phase : std::uint8_t { kIdle, kWaiting, kWatching } phase = Phase::kIdle;
-  int used = 0;             // in this sequence
-  Instant due{};            // end of waiting, or when the retry counts as successful
+  int used = 0;   // in this sequence
+  Instant due{};  // end of waiting, or when the retry counts as successful
 
   // Pr.67: 1-10 retries without, 101-110 with alarm output meanwhile.
   static int limit(int raw_pr67) { return raw_pr67 > 100 ? raw_pr67 - 100 : raw_pr67; }

@@ -16,7 +16,7 @@ StopSelection stop_selection(double pr250);  // 0-100, 1000-1100 s, 8888, 9999
 struct StartSignals {
   bool stf = false;
   bool str = false;
-  bool stop_hold = false;         // signal STOP on: STF and STR may be pulses
+  bool stop_hold = false;  // signal STOP on: STF and STR may be pulses
 };
 
 // The held pulses of three-wire operation.

@@ -85,8 +85,7 @@ void set_voltage(drive::DriveSettings& s, const ParameterStore& p, const Setting
     default: s.load_pattern = drive::LoadPattern::kConstantTorque;
   }
   const bool flux_vector = !p.is_9999(pr::kMotorCapacity) && !selection.vf_by_x18;
-  const ModelRow& standard =
-      standard_motor(around, or_else(p, pr::kMotorCapacity, around.model->motor_kw));
+  const ModelRow& standard = standard_motor(around, or_else(p, pr::kMotorCapacity, around.model->motor_kw));
   double slip_percent = or_else(p, pr::kRatedSlip, 0);
   if (flux_vector) {
     s.base_voltage_v_rms = p.value(pr::kMotorVoltage);

@@ -9,9 +9,9 @@
 namespace vinv::inverter::e500 {
 
 struct SettingsSelection {
-  bool second = false;        // signal RT
+  bool second = false;  // signal RT
   bool jog = false;
-  bool vf_by_x18 = false;     // signal X18: V/f control instead of flux vector control
+  bool vf_by_x18 = false;  // signal X18: V/f control instead of flux vector control
   friend bool operator==(const SettingsSelection&, const SettingsSelection&) = default;
 };
 

@@ -35,11 +35,11 @@ struct Causes {
   bool earth_fault = false;
   bool output_phase_open = false;
   bool brake_transistor = false;
-  bool eeprom_write = false;       // writes to the EEPROM fail
-  bool option = false;             // the option board dropped out of its connector
-  bool external_thermal = false;   // the thermal relay has opened
+  bool eeprom_write = false;      // writes to the EEPROM fail
+  bool option = false;            // the option board dropped out of its connector
+  bool external_thermal = false;  // the thermal relay has opened
   bool pu_disconnected = false;
-  bool eeprom_damaged = false;     // contents refused at the start; until the next power cycle
+  bool eeprom_damaged = false;  // contents refused at the start; until the next power cycle
 };
 
 enum class Screen : std::uint8_t { kMonitor, kFrequency, kJog };
@@ -49,29 +49,29 @@ struct Panel {
   bool jog_run = false;                                  // ... pressed on the jog screen
   bool stopped_by_panel = false;                         // PS: STOP outside PU operation
   Screen screen = Screen::kMonitor;
-  int monitor = 0;                                       // 0 first display (Pr.52), 1 current, 2 voltage
-  double edited_hz = 0;                                  // on the frequency screen, before SET
+  int monitor = 0;       // 0 first display (Pr.52), 1 current, 2 voltage
+  double edited_hz = 0;  // on the frequency screen, before SET
 };
 
 struct Network {
   port::NetTerminals command{};
   double frequency_hz = 0;
-  std::optional<std::uint8_t> converter;   // D/A value, once written
+  std::optional<std::uint8_t> converter;  // D/A value, once written
   bool communication_lost = false;
   bool option_failed = false;
 };
 
 struct ActiveAlarm {
-  std::optional<std::size_t> row;          // in the alarm table
+  std::optional<std::size_t> row;  // in the alarm table
   std::string cause;
 };
 
 // What the option board and the panel read between two ticks.
 struct Published {
   port::Status status{};
-  std::uint16_t output_frequency = 0;      // 0.01 Hz
-  std::uint16_t output_current = 0;        // 0.01 A
-  std::uint16_t output_voltage = 0;        // 0.1 V
+  std::uint16_t output_frequency = 0;  // 0.01 Hz
+  std::uint16_t output_current = 0;    // 0.01 A
+  std::uint16_t output_voltage = 0;    // 0.1 V
   OutputSignals outputs{};
   double set_frequency_hz = 0;
   double am_v = 0;
@@ -82,7 +82,7 @@ struct Published {
 struct Volatile {
   port::OperationMode mode = port::OperationMode::kExternal;
   Instant ready_at{};
-  bool in_reset = false;                   // RES held
+  bool in_reset = false;  // RES held
   bool mrs_inverted = false;
   Panel panel;
   Network network;
@@ -92,7 +92,7 @@ struct Volatile {
   AnalogFilter current_monitor;
   drive::Pid pid;
   drive::RemoteSetting remote;
-  double panel_frequency_hz = 0;           // set at the panel; the record keeps what SET stored
+  double panel_frequency_hz = 0;                               // set at the panel; the record keeps what SET stored
   drive::RunDirection direction = drive::RunDirection::kStop;  // commanded in this tick
   bool tuned_until_stop = false;
   AutoTuning tuning;
@@ -100,8 +100,8 @@ struct Volatile {
   Retry retry;
   ActiveAlarm alarm;
   Mailbox mailbox;
-  bool any_start_signal = false;           // of this tick's sources
-  double operating_s = 0;                  // not yet in the hour meter
+  bool any_start_signal = false;  // of this tick's sources
+  double operating_s = 0;         // not yet in the hour meter
   Published published;
 };
 

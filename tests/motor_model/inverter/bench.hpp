@@ -83,7 +83,8 @@ class Bench {
     return write(request);
   }
   port::WriteOutcome frequency(double hz) {
-    return write({.kind = port::WriteRequest::Kind::kFrequency, .value = static_cast<std::uint32_t>(std::lround(hz * 100))});
+    return write(
+        {.kind = port::WriteRequest::Kind::kFrequency, .value = static_cast<std::uint32_t>(std::lround(hz * 100))});
   }
   port::WriteOutcome reset() { return write({.kind = port::WriteRequest::Kind::kResetInverter}); }
   std::uint32_t raw(unsigned number, unsigned sub = 0) {
@@ -130,8 +131,27 @@ class Bench {
 
 inline testing::AssertionResult refused(const port::WriteOutcome& outcome, port::Refusal why) {
   if (outcome) return testing::AssertionFailure() << "accepted";
-  if (outcome.error() != why) return testing::AssertionFailure() << "refused with reason " << static_cast<int>(outcome.error());
+  if (outcome.error() != why)
+    return testing::AssertionFailure() << "refused with reason " << static_cast<int>(outcome.error());
   return testing::AssertionSuccess();
+}
+
+// Short ramps, so that a second shows what a command does.
+inline Bench fast(std::initializer_list<std::pair<std::string, double>> presets = {}) {
+  Bench b;
+  b.preset("Pr.7", 0.2);
+  b.preset("Pr.8", 0.2);
+  for (const auto& [name, value] : presets) b.preset(name, value);
+  b.power_on();
+  return b;
+}
+inline bool runs_at(Bench& b, double hz) {
+  b.run(1.2);
+  return b.port().status().running && std::abs(b.output_hz() - hz) < 0.02;
+}
+inline bool stands(Bench& b) {
+  b.run(1.5);
+  return !b.port().status().running;
 }
 
 }  // namespace vinv::inverter::test

@@ -1,6 +1,5 @@
 // EEPROM text: round trip, and no damage ever passes; the inverter's own handling of it (E.PE, hour meter, groups).
 #include "bench.hpp"
-
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/eeprom_text.hpp"
 
@@ -47,7 +46,7 @@ TEST(EepromText, RoundTripKeepsEverythingStored) {
   ASSERT_TRUE(contents.has_value()) << contents.error();
   auto store = make_store();
   EXPECT_EQ(contents->parameters[*store.table().index("Pr.7")], 123);
-  EXPECT_EQ(contents->parameters[*store.table().index("Pr.8")], 50);   // was in RAM only
+  EXPECT_EQ(contents->parameters[*store.table().index("Pr.8")], 50);  // was in RAM only
   EXPECT_EQ(contents->record, sample_record());
   store.set_eeprom(contents->parameters);
   EXPECT_EQ(emit_eeprom(kIdentity, store, e500::family_data().alarms, contents->record), text);
@@ -55,7 +54,10 @@ TEST(EepromText, RoundTripKeepsEverythingStored) {
 
 TEST(EepromText, IsReadable) {
   const std::string text = sample_text();
-  EXPECT_THAT(text, StartsWith("vinverter eeprom, version 1\nfamily = fr-e500\nmodel = FR-E540-1.5K\nPr.0 = 4.0  # Torque boost, %\n"));
+  EXPECT_THAT(
+      text,
+      StartsWith(
+          "vinverter eeprom, version 1\nfamily = fr-e500\nmodel = FR-E540-1.5K\nPr.0 = 4.0  # Torque boost, %\n"));
   EXPECT_THAT(text, HasSubstr("\nPr.7 = 12.3  # Acceleration time, s\n"));
   EXPECT_THAT(text, HasSubstr("\nPr.19 = 8888  # Base frequency voltage, V\n"));
   EXPECT_THAT(text, HasSubstr("\nuser_group_1 = 7 902\n"));
@@ -112,8 +114,7 @@ TEST(EepromText, WrongLinesAreNamed) {
     return contents ? "accepted" : contents.error();
   };
   EXPECT_EQ(error("Pr.7 = 12.3", "Pr.7 = 12.4"), "accepted");
-  EXPECT_EQ(error("Pr.7 = 12.3", "Pr.7 = 3600.1"),
-            "line 11: Pr.7 = 3600.1: takes 0.0 to 3600.0 s in steps of 0.1");
+  EXPECT_EQ(error("Pr.7 = 12.3", "Pr.7 = 3600.1"), "line 11: Pr.7 = 3600.1: takes 0.0 to 3600.0 s in steps of 0.1");
   EXPECT_EQ(error("Pr.7 = 12.3", "Pr.7 = 12.34"), "line 11: Pr.7 = 12.34: takes 0.0 to 3600.0 s in steps of 0.1");
   EXPECT_EQ(error("Pr.7 = ", "Pr.9 = "), "line 11: expected 'Pr.7 = ...'");
   EXPECT_EQ(error("version 1", "version 2"), "line 1: not 'vinverter eeprom, version 1'");
@@ -135,7 +136,7 @@ TEST(Eeprom, ParametersPanelFrequencyAndHistorySurviveAPowerCycle) {
   EXPECT_TRUE(b->take_eeprom_changed());
   EXPECT_FALSE(b->take_eeprom_changed());
   ASSERT_TRUE(b.write_parameter(342, 1));
-  ASSERT_TRUE(b.write_parameter(8, 200));     // RAM only now
+  ASSERT_TRUE(b.write_parameter(8, 200));  // RAM only now
   EXPECT_EQ(b.raw(8), 200u);
   ASSERT_TRUE(b->inject_fault("E.OV1", true).has_value());
   const std::string stored = b->eeprom_text();

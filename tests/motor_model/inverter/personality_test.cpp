@@ -41,15 +41,21 @@ TEST(OperationMode, EachRequestFromEachModeAtStandstill) {
   struct Case {
     OperationMode from;
     ModeRequest request;
-    std::optional<OperationMode> to;   // empty: refused
+    std::optional<OperationMode> to;  // empty: refused
   };
   const auto E = OperationMode::kExternal;
   const auto P = OperationMode::kPu;
   const auto N = OperationMode::kNetwork;
   const Case cases[] = {
-      {E, ModeRequest::kNetworkOn, N},            {E, ModeRequest::kNetworkOff, E}, {E, ModeRequest::kPanelKey, P},
-      {P, ModeRequest::kNetworkOn, std::nullopt}, {P, ModeRequest::kNetworkOff, P}, {P, ModeRequest::kPanelKey, E},
-      {N, ModeRequest::kNetworkOn, N},            {N, ModeRequest::kNetworkOff, E}, {N, ModeRequest::kPanelKey, std::nullopt},
+      {E, ModeRequest::kNetworkOn, N},
+      {E, ModeRequest::kNetworkOff, E},
+      {E, ModeRequest::kPanelKey, P},
+      {P, ModeRequest::kNetworkOn, std::nullopt},
+      {P, ModeRequest::kNetworkOff, P},
+      {P, ModeRequest::kPanelKey, E},
+      {N, ModeRequest::kNetworkOn, N},
+      {N, ModeRequest::kNetworkOff, E},
+      {N, ModeRequest::kPanelKey, std::nullopt},
       {OperationMode::kCombined1, ModeRequest::kNetworkOn, std::nullopt},
       {OperationMode::kCombined2, ModeRequest::kPanelKey, std::nullopt},
   };
@@ -183,12 +189,21 @@ constexpr auto REX = InputSignal::kRex;
 
 TEST(MultiSpeed, EachCombinationHasItsParameter) {
   auto store = make_store();
-  const std::pair<std::string, InputSignals> cases[] = {
-      {"Pr.4", signals({RH})},          {"Pr.5", signals({RM})},           {"Pr.6", signals({RL})},
-      {"Pr.24", signals({RM, RL})},     {"Pr.25", signals({RH, RL})},      {"Pr.26", signals({RH, RM})},
-      {"Pr.27", signals({RH, RM, RL})}, {"Pr.232", signals({REX})},        {"Pr.233", signals({REX, RL})},
-      {"Pr.234", signals({REX, RM})},   {"Pr.235", signals({REX, RM, RL})}, {"Pr.236", signals({REX, RH})},
-      {"Pr.237", signals({REX, RH, RL})}, {"Pr.238", signals({REX, RH, RM})}, {"Pr.239", signals({REX, RH, RM, RL})}};
+  const std::pair<std::string, InputSignals> cases[] = {{"Pr.4", signals({RH})},
+                                                        {"Pr.5", signals({RM})},
+                                                        {"Pr.6", signals({RL})},
+                                                        {"Pr.24", signals({RM, RL})},
+                                                        {"Pr.25", signals({RH, RL})},
+                                                        {"Pr.26", signals({RH, RM})},
+                                                        {"Pr.27", signals({RH, RM, RL})},
+                                                        {"Pr.232", signals({REX})},
+                                                        {"Pr.233", signals({REX, RL})},
+                                                        {"Pr.234", signals({REX, RM})},
+                                                        {"Pr.235", signals({REX, RM, RL})},
+                                                        {"Pr.236", signals({REX, RH})},
+                                                        {"Pr.237", signals({REX, RH, RL})},
+                                                        {"Pr.238", signals({REX, RH, RM})},
+                                                        {"Pr.239", signals({REX, RH, RM, RL})}};
   double hz = 1;
   for (const auto& [name, on] : cases) set(store, name, hz++);
   hz = 1;
@@ -206,7 +221,8 @@ TEST(MultiSpeed, ACombinationWithoutSettingTakesTheLowestOfItsSignals) {
 
 // --- parameters to settings ---
 
-drive::DriveSettings settings(const ParameterStore& store, const SettingsSelection& selection = {}, bool resistor = true) {
+drive::DriveSettings settings(const ParameterStore& store, const SettingsSelection& selection = {},
+                              bool resistor = true) {
   const auto& data = family_data();
   return make_settings(store, selection, {find_model(data.models, "FR-E540-1.5K"), &data.models, 400, resistor});
 }
@@ -292,7 +308,7 @@ std::vector<Effect> effects() {
       {"Pr.72", 0, d(&S::carrier_hz), 700},
       {"Pr.72", 10, d(&S::carrier_hz), 10000},
       {"Pr.72", 15, d(&S::carrier_hz), 14500},
-      {"Pr.80", 1.5, d(&S::stator_resistance_compensation_ohm), 3.655},   // the standard motor's
+      {"Pr.80", 1.5, d(&S::stator_resistance_compensation_ohm), 3.655},  // the standard motor's
       {"Pr.80", 1.5, d(&S::torque_boost_percent), 0},
       {"Pr.80", 1.5, d(&S::stator_resistance_compensation_ohm), 0, {}, {.vf_by_x18 = true}},
       {"Pr.82", 1.7, d(&S::motor_no_load_current_a_rms), 1.7},
@@ -347,7 +363,7 @@ TEST(Settings, JumpBandsTakeTheAValue) {
   EXPECT_EQ(s.jump_bands[1].low_hz, 40);
   EXPECT_EQ(s.jump_bands[1].high_hz, 45);
   EXPECT_EQ(s.jump_bands[1].jump_to_hz, 45);
-  EXPECT_LE(s.jump_bands[2].high_hz, s.jump_bands[2].low_hz);   // half set: off
+  EXPECT_LE(s.jump_bands[2].high_hz, s.jump_bands[2].low_hz);  // half set: off
   set(store, "Pr.36", 12);
   EXPECT_EQ(settings(store).jump_bands[2].high_hz, 12);
 }

@@ -10,13 +10,6 @@ using port::OperationMode;
 using port::Refusal;
 using Kind = port::WriteRequest::Kind;
 
-Bench fast() {
-  Bench b;
-  b.preset("Pr.7", 0.2);
-  b.preset("Pr.8", 0.2);
-  b.power_on();
-  return b;
-}
 Bench fast_in_net() {
   Bench b = fast();
   EXPECT_TRUE(b.net().has_value());
@@ -30,13 +23,13 @@ TEST(Mailbox, HoldsOneWriteUntilItsOutcomeIsTaken) {
   EXPECT_FALSE(b.port().take_outcome().has_value());
   ASSERT_TRUE(b.port().post_write(b.now(), net));
   EXPECT_TRUE(b.port().write_pending());
-  EXPECT_FALSE(b.port().take_outcome().has_value());                       // not decided yet
+  EXPECT_FALSE(b.port().take_outcome().has_value());  // not decided yet
   EXPECT_TRUE(refused(b.port().post_write(b.now(), net), Refusal::kBusy));
   EXPECT_EQ(b.port().operation_mode(), OperationMode::kExternal);
   b.tick();
   EXPECT_EQ(b.port().operation_mode(), OperationMode::kNetwork);
   EXPECT_TRUE(b.port().write_pending());
-  EXPECT_TRUE(refused(b.port().post_write(b.now(), net), Refusal::kBusy)); // not collected yet
+  EXPECT_TRUE(refused(b.port().post_write(b.now(), net), Refusal::kBusy));  // not collected yet
   const auto outcome = b.port().take_outcome();
   ASSERT_TRUE(outcome.has_value());
   EXPECT_TRUE(outcome->has_value());
@@ -52,7 +45,7 @@ TEST(Mailbox, IsClosedInStartUpAndAfterAReset) {
   EXPECT_TRUE(refused(b.net(), Refusal::kNotReady));
   b.power_on();
   ASSERT_TRUE(b.net());
-  ASSERT_TRUE(b.reset());                  // the outcome is still collected
+  ASSERT_TRUE(b.reset());  // the outcome is still collected
   EXPECT_FALSE(b.port().ready());
   EXPECT_TRUE(refused(b.net(), Refusal::kNotReady));
   const double at = b.now_s();
@@ -85,7 +78,7 @@ TEST(Mode, ChangesOnlyAtStandstillWithTheStartSignalsOff) {
   b.run(0.3);
   EXPECT_TRUE(refused(b.net(false), Refusal::kModeChangeRefused));
   ASSERT_TRUE(b.command({}));
-  EXPECT_TRUE(refused(b.net(false), Refusal::kModeChangeRefused));   // still turning
+  EXPECT_TRUE(refused(b.net(false), Refusal::kModeChangeRefused));  // still turning
   ASSERT_TRUE(b.run_until([&] { return !b.port().status().running; }, 3));
   ASSERT_TRUE(b.net(false));
   EXPECT_EQ(b.port().operation_mode(), OperationMode::kExternal);
@@ -95,7 +88,7 @@ TEST(Mode, PuAndNetworkAreNotExchangedDirectly) {
   Bench b = fast();
   b.pu();
   EXPECT_TRUE(refused(b.net(), Refusal::kModeChangeRefused));
-  EXPECT_TRUE(b.net(false).has_value());      // already off
+  EXPECT_TRUE(b.net(false).has_value());  // already off
   EXPECT_EQ(b.port().operation_mode(), OperationMode::kPu);
   b.key(PanelKey::kPuExt);
   ASSERT_TRUE(b.net());
@@ -134,7 +127,7 @@ TEST(Mode, WithPr79Is6TheMotorRunsOnThroughTheChange) {
   EXPECT_NEAR(b.output_hz(), 20, 0.5);
   ASSERT_TRUE(b.net(false));
   b.run(0.5);
-  EXPECT_NEAR(b.output_hz(), 30, 0.5);        // terminals again
+  EXPECT_NEAR(b.output_hz(), 30, 0.5);  // terminals again
 }
 
 TEST(Command, StfRunsForwardStrReverseBothStopAndZeroReleases) {
@@ -185,8 +178,8 @@ TEST(Command, RlMeansSecondFunctionWithPr180Is3) {
   Bench b = fast();
   ASSERT_TRUE(b.net());
   ASSERT_TRUE(b.write_parameter(180, 3));
-  ASSERT_TRUE(b.write_parameter(8, 1000));   // 100 s
-  ASSERT_TRUE(b.write_parameter(45, 5));     // 0.5 s
+  ASSERT_TRUE(b.write_parameter(8, 1000));  // 100 s
+  ASSERT_TRUE(b.write_parameter(45, 5));    // 0.5 s
   ASSERT_TRUE(b.frequency(20));
   ASSERT_TRUE(b.command({NetTerminal::kStf}));
   b.run(1);
@@ -202,7 +195,7 @@ TEST(Command, RightsOfPr338AndPr339) {
   ASSERT_TRUE(b.frequency(20));
   b.terminal("STF");
   b.run(0.5);
-  EXPECT_NEAR(b.output_hz(), 20, 0.01);       // started by the terminal, speed of the network
+  EXPECT_NEAR(b.output_hz(), 20, 0.01);  // started by the terminal, speed of the network
   b.terminal("STF", false);
   b.run(1);
   ASSERT_TRUE(b.write_parameter(338, 0));
@@ -211,7 +204,7 @@ TEST(Command, RightsOfPr338AndPr339) {
   b.terminal("RL");
   ASSERT_TRUE(b.command({NetTerminal::kStf}));
   b.run(0.5);
-  EXPECT_NEAR(b.output_hz(), 10, 0.01);       // started by the network, speed of the terminals
+  EXPECT_NEAR(b.output_hz(), 10, 0.01);  // started by the network, speed of the terminals
 }
 
 TEST(Command, AnalogReferenceActsLikeTerminal2WithPr339Is1) {
@@ -269,7 +262,7 @@ TEST(Parameters, WritesByRawWordWithEachRefusal) {
   EXPECT_TRUE(refused(b.write({.kind = Kind::kRestoreDefaults}), Refusal::kWriteDisabled));
   ASSERT_TRUE(b.write_parameter(77, 2));
   ASSERT_TRUE(b.net(false));
-  EXPECT_TRUE(b.write_parameter(7, 5).has_value());   // in external operation, with Pr.77 = 2
+  EXPECT_TRUE(b.write_parameter(7, 5).has_value());  // in external operation, with Pr.77 = 2
 }
 
 TEST(Parameters, EveryRowReadsWhatTheTableSaysAfterPowerOn) {
@@ -312,7 +305,7 @@ TEST(Reset, ReloadsRamFromEepromAndReleasesTheCommand) {
   ASSERT_TRUE(b.frequency(20));
   ASSERT_TRUE(b.command({NetTerminal::kStf}));
   b.run(0.5);
-  ASSERT_TRUE(b.reset());                    // Pr.75 = 14 permits it at any time: the motor coasts
+  ASSERT_TRUE(b.reset());  // Pr.75 = 14 permits it at any time: the motor coasts
   b.tick();
   EXPECT_FALSE(b.port().status().running);
   EXPECT_GT(b.signal("speed"), 300);

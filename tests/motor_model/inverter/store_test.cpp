@@ -43,7 +43,8 @@ TEST(ParameterStore, SpecialsReadAsTheyArePrinted) {
 
 TEST(ParameterStore, ValuesOffTheIncrementOrRangeAreRefusedWithTheRange) {
   auto store = make_store();
-  EXPECT_EQ(store.from_physical(row_of(7), 5.05).error(), "Pr.7 (Acceleration time) takes 0.0 to 3600.0 s in steps of 0.1");
+  EXPECT_EQ(store.from_physical(row_of(7), 5.05).error(),
+            "Pr.7 (Acceleration time) takes 0.0 to 3600.0 s in steps of 0.1");
   EXPECT_FALSE(store.from_physical(row_of(7), -0.1).has_value());
   EXPECT_FALSE(store.from_physical(row_of(7), 3600.1).has_value());
   EXPECT_FALSE(store.from_physical(row_of(7), std::nan("")).has_value());
@@ -89,7 +90,7 @@ TEST(ParameterStore, PlainClearKeepsCommunicationAndCalibration) {
   EXPECT_EQ(store.value(901), 90);
   EXPECT_EQ(store.value(903, 1), 60);
   store.clear(ClearKind::kAllClear);
-  EXPECT_EQ(store.value(75), 0);    // kept by both, typical for the family
+  EXPECT_EQ(store.value(75), 0);  // kept by both, typical for the family
   EXPECT_EQ(store.value(118), 192);
   EXPECT_EQ(store.value(340), 0);
   EXPECT_EQ(store.value(345), 63);
@@ -111,7 +112,8 @@ AccessSituation panel(OperationMode mode, WriteDisable disable = WriteDisable::k
 }
 
 TEST(AccessRules, NetworkWritesNeedNetworkOperation) {
-  for (auto mode : {OperationMode::kExternal, OperationMode::kPu, OperationMode::kCombined1, OperationMode::kCombined2}) {
+  for (auto mode :
+       {OperationMode::kExternal, OperationMode::kPu, OperationMode::kCombined1, OperationMode::kCombined2}) {
     auto s = network();
     s.mode = mode;
     EXPECT_EQ(write_refusal(row(7), s), Refusal::kWrongMode);
@@ -135,7 +137,8 @@ TEST(AccessRules, WhileRunningEachRowFollowsItsOwnColumn) {
   for (const ParameterRow& r : e500::family_data().parameters.rows()) {
     if (r.kind == ParameterKind::kManufacturer) continue;
     EXPECT_EQ(write_refusal(r, network(WriteDisable::kStopped, true)).has_value(), !r.write_while_running) << r.label;
-    EXPECT_EQ(write_refusal(r, network(WriteDisable::kAlways, true)).has_value(), !r.write_while_running_free) << r.label;
+    EXPECT_EQ(write_refusal(r, network(WriteDisable::kAlways, true)).has_value(), !r.write_while_running_free)
+        << r.label;
     EXPECT_EQ(write_refusal(r, network(WriteDisable::kStopped, false)), std::nullopt) << r.label;
   }
   EXPECT_EQ(write_refusal(row(7), network(WriteDisable::kStopped, true)), Refusal::kRunning);

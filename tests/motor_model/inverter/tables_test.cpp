@@ -32,8 +32,8 @@ TEST(ParameterTable, EveryReferenceRowIsCarriedWithRangeDefaultAndAccess) {
   CsvReader in(table);
   for (std::size_t i = 0; i < in.size(); ++i) {
     in.select(i);
-    const auto row = parameters.index(port::ParameterId{static_cast<std::uint16_t>(in.integer("pr")),
-                                                        static_cast<std::uint8_t>(in.integer("sub"))});
+    const auto row = parameters.index(
+        port::ParameterId{static_cast<std::uint16_t>(in.integer("pr")), static_cast<std::uint8_t>(in.integer("sub"))});
     ASSERT_TRUE(row.has_value()) << in.text("pr");
     const ParameterRow& r = parameters.rows()[*row];
     SCOPED_TRACE(r.label);
@@ -59,7 +59,7 @@ TEST(ParameterTable, EveryReferenceRowIsCarriedWithRangeDefaultAndAccess) {
     const std::string& notes = in.text("notes");
     if (const auto at = notes.find("allowed set: "); at != std::string::npos) {
       std::string allowed = notes.substr(at + 13, notes.find(';') - at - 13);
-      if (r.has_9999) allowed.erase(allowed.find(",8888"));   // the specials have a column of their own
+      if (r.has_9999) allowed.erase(allowed.find(",8888"));  // the specials have a column of their own
       EXPECT_EQ(r.allowed_text, allowed);
     }
   }
@@ -114,8 +114,8 @@ TEST(ParameterTable, AllowedSetsHaveHoles) {
   EXPECT_FALSE(accepts(79, 5));
   EXPECT_TRUE(accepts(79, 8));
   EXPECT_FALSE(accepts(17, 1));
-  EXPECT_TRUE(accepts(250, 10000));    // 1000.0 s
-  EXPECT_FALSE(accepts(250, 1001));    // 100.1 s
+  EXPECT_TRUE(accepts(250, 10000));  // 1000.0 s
+  EXPECT_FALSE(accepts(250, 1001));  // 100.1 s
   EXPECT_TRUE(accepts(250, kRaw8888));
   EXPECT_TRUE(accepts(250, kRaw9999));
   EXPECT_FALSE(accepts(250, 9999));
@@ -137,12 +137,30 @@ TEST(ParameterTable, IsFoundByNumberAndByName) {
 
 // A table with one row in which one field is wrong.
 std::string table_with(const std::string& column, const std::string& value) {
-  std::vector<std::pair<std::string, std::string>> fields{
-      {"pr", "7"}, {"sub", "0"}, {"name", "Acceleration time"}, {"min", "0"}, {"max", "3600"}, {"special", ""},
-      {"allowed", ""}, {"increment", "0.1"}, {"fine_increment", ""}, {"unit", "s"}, {"default", "5"},
-      {"model_default", ""}, {"write_while_running", "no"}, {"write_while_running_pr77_2", "yes"},
-      {"write_when_locked", "no"}, {"panel_any_mode", "no"}, {"access", "RW"}, {"kind", "ordinary"}, {"clear", ""},
-      {"source", "x"}, {"confidence", "high"}, {"notes", ""}, {"acts", "yes"}, {"effect", "x"}};
+  std::vector<std::pair<std::string, std::string>> fields{{"pr", "7"},
+                                                          {"sub", "0"},
+                                                          {"name", "Acceleration time"},
+                                                          {"min", "0"},
+                                                          {"max", "3600"},
+                                                          {"special", ""},
+                                                          {"allowed", ""},
+                                                          {"increment", "0.1"},
+                                                          {"fine_increment", ""},
+                                                          {"unit", "s"},
+                                                          {"default", "5"},
+                                                          {"model_default", ""},
+                                                          {"write_while_running", "no"},
+                                                          {"write_while_running_pr77_2", "yes"},
+                                                          {"write_when_locked", "no"},
+                                                          {"panel_any_mode", "no"},
+                                                          {"access", "RW"},
+                                                          {"kind", "ordinary"},
+                                                          {"clear", ""},
+                                                          {"source", "x"},
+                                                          {"confidence", "high"},
+                                                          {"notes", ""},
+                                                          {"acts", "yes"},
+                                                          {"effect", "x"}};
   std::string header;
   std::string row;
   for (auto& [name, text] : fields) {
@@ -154,11 +172,27 @@ std::string table_with(const std::string& column, const std::string& value) {
 
 TEST(ParameterTable, LoaderRefusesWrongFieldsWithLineAndColumn) {
   ASSERT_TRUE(ParameterTable::load(table_with("", "")).has_value());
-  const std::pair<std::string, std::string> wrong[] = {
-      {"pr", "1000"}, {"pr", "x"}, {"sub", "3"}, {"sub", "2"}, {"min", "4000"}, {"max", ""}, {"special", "7777"},
-      {"allowed", "3-1"}, {"allowed", "a"}, {"increment", "0.2"}, {"fine_increment", "21"}, {"fine_increment", "21=1:0.01"},
-      {"default", "4000"}, {"default", "9999"}, {"write_while_running", "maybe"}, {"access", "X"}, {"kind", "odd"},
-      {"clear", "odd"}, {"acts", ""}, {"effect", ""}, {"name", ""}};
+  const std::pair<std::string, std::string> wrong[] = {{"pr", "1000"},
+                                                       {"pr", "x"},
+                                                       {"sub", "3"},
+                                                       {"sub", "2"},
+                                                       {"min", "4000"},
+                                                       {"max", ""},
+                                                       {"special", "7777"},
+                                                       {"allowed", "3-1"},
+                                                       {"allowed", "a"},
+                                                       {"increment", "0.2"},
+                                                       {"fine_increment", "21"},
+                                                       {"fine_increment", "21=1:0.01"},
+                                                       {"default", "4000"},
+                                                       {"default", "9999"},
+                                                       {"write_while_running", "maybe"},
+                                                       {"access", "X"},
+                                                       {"kind", "odd"},
+                                                       {"clear", "odd"},
+                                                       {"acts", ""},
+                                                       {"effect", ""},
+                                                       {"name", ""}};
   for (const auto& [column, value] : wrong) {
     const auto loaded = ParameterTable::load(table_with(column, value));
     ASSERT_FALSE(loaded.has_value()) << column << "=" << value;
@@ -195,7 +229,7 @@ TEST(AlarmTable, EveryReferenceRowIsCarried) {
     EXPECT_EQ(r.error_register, in.integer("error_register_1001h_value_hex", 16));
     std::uint32_t settings = 0;
     for (std::string_view s : split(in.text("retry_allowed_e500_pr65"), '|')) {
-      if (s != "none") settings |= 1u << (s[0] - '0') & 0xFu;   // Pr.65 goes to 3
+      if (s != "none") settings |= 1u << (s[0] - '0') & 0xFu;  // Pr.65 goes to 3
     }
     EXPECT_EQ(r.retry_settings & 0xFu, settings);
   }

@@ -109,6 +109,27 @@ TEST(Trip, StallPreventionKeepsTheSameAccelerationAlive) {
   ASSERT_TRUE(reached(b, 50)) << b->alarm_name() << " " << b->alarm_cause();
 }
 
+TEST(Trip, AHotPlaceEndsInHeatSinkOverTemperature) {
+  InverterConfig c = with_load(0, 8);
+  c.ambient_c = 80;
+  Bench b(c);
+  run_forward(b, 50);
+  ASSERT_TRUE(b.run_until([&] { return b.port().status().alarm; }, 900)) << b.signal("heat_sink");
+  EXPECT_TRUE(b.alarm("E.FIN")) << b->alarm_cause();
+  EXPECT_THAT(b->alarm_cause(), HasSubstr("heat sink 95 degC (level 95 degC)"));
+}
+
+TEST(Trip, MainsThatAreTooHighTripOverVoltage) {
+  Bench b;
+  b.power_on();
+  b->set_mains({.voltage_v_rms = 590});
+  ASSERT_TRUE(b.run_until([&] { return b.port().status().alarm; }, 1));
+  EXPECT_THAT(b->alarm_name(), testing::StartsWith("E.OV"));
+  b.key(PanelKey::kStopReset);
+  b.run(1.2);
+  EXPECT_THAT(b->alarm_name(), testing::StartsWith("E.OV"));  // the cause is still there
+}
+
 // --- mains dips: Pr.57 and 58 ---
 
 plant::MainsState mains(double v) { return {.voltage_v_rms = v}; }
@@ -155,7 +176,7 @@ TEST(PowerFailure, WithRestartTheDriveCatchesTheMotor) {
   ASSERT_TRUE(reached(b, 50));
   dip(b, 0.1);
   b.run(0.3);
-  EXPECT_FALSE(b.port().status().running);   // waits Pr.57
+  EXPECT_FALSE(b.port().status().running);  // waits Pr.57
   ASSERT_TRUE(b.run_until([&] { return b.port().status().running; }, 2));
   ASSERT_TRUE(reached(b, 50)) << b->alarm_name() << " " << b->alarm_cause();
   EXPECT_FALSE(b.port().status().power_failure);
