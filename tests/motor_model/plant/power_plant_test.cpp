@@ -123,8 +123,7 @@ TEST(DcLink, SagWithoutTripClampsTheOutputAndRecoveryRecharges) {
   const double speed = plant.measurements().speed_rpm;
   plant.set_mains({340, {true, true, true}});  // 15 %
   EXPECT_EQ(run(plant, 1s).count, 0u);
-  EXPECT_NEAR(plant.measurements().output_voltage_v_rms,
-              plant.measurements().dc_link_v / std::numbers::sqrt2, 1e-6);
+  EXPECT_NEAR(plant.measurements().output_voltage_v_rms, plant.measurements().dc_link_v / std::numbers::sqrt2, 1e-6);
   EXPECT_LT(plant.measurements().dc_link_v, 481);
   EXPECT_LT(plant.measurements().speed_rpm, speed - 10);
   const double input_before = plant.measurements().input_power_w;
