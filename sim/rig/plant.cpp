@@ -35,10 +35,11 @@ Plant::~Plant() {
       if (id != 0) scheduler_.cancel(id);
 }
 
+void Plant::refuse(Position at, const std::string& drive, const std::string& message) const {
+  throw PlantFileError(file_.path, {{at, drive + ": " + sentence(message)}});
+}
+
 std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOptions& options) {
-  const auto refuse = [&](Position at, const std::string& message) {
-    throw PlantFileError(file_.path, {{at, spec.name + ": " + sentence(message)}});
-  };
   auto d = std::make_unique<DriveUnit>();
   d->spec = spec;
 
@@ -60,7 +61,7 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   config.option_fitted = spec.board.has_value();
   config.solver.choice = spec.solver;
   auto made = options.catalogue.make_inverter(spec.family, config);
-  if (!made) refuse(spec.model.at, made.error());
+  if (!made) refuse(spec.model.at, spec.name, made.error());
   d->inverter = std::move(made).value();
   // Not what the plant has now: the breaker is open.
   d->mains =
@@ -69,9 +70,11 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   std::optional<std::string> stored;
   if (options.stored_eeprom) stored = options.stored_eeprom(spec.name);
   if (!stored) {
-    first_values(*d);
+    first_node(*d);
+    first_parameters(*d);
   } else if (const auto loaded = d->inverter->load_eeprom(*stored); !loaded) {
     if (options.damaged_eeprom) options.damaged_eeprom(spec.name, loaded.error());
+    first_node(*d);  // a factory value of this plant; masters find the drive where they look for it
   }
   inputs(*d);
 
@@ -80,40 +83,38 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
     board.type = spec.board->type.value;
     board.node = spec.board->node.value;
     auto fitted = options.catalogue.make_board(board, d->inverter->port());
-    if (!fitted) refuse(spec.board->node.at, fitted.error());
+    if (!fitted) refuse(spec.board->node.at, spec.name, fitted.error());
     d->board = std::move(fitted).value();
   }
   return d;
 }
 
-// Plant-file parameters and the node are what a drive has when it starts for the first time.
-void Plant::first_values(DriveUnit& d) {
-  const auto refuse = [&](Position at, const std::string& message) {
-    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + sentence(message)}});
-  };
-  if (d.spec.board) {
-    const std::string_view node = node_parameter(d.spec.board->type.value);
-    if (!node.empty())
-      if (const auto set = d.inverter->preset_parameter(node, d.spec.board->node.value); !set)
-        refuse(d.spec.board->node.at, set.error());
-  }
+// `node:` stands for the switches and for the factory value of the parameter that overrides them.
+void Plant::first_node(DriveUnit& d) {
+  if (!d.spec.board) return;
+  const std::string_view parameter = node_parameter(d.spec.board->type.value);
+  if (parameter.empty()) return;
+  if (const auto set = d.inverter->preset_parameter(parameter, d.spec.board->node.value); !set)
+    refuse(d.spec.board->node.at, d.spec.name, set.error());
+}
+
+// What a drive has when it starts for the first time.
+void Plant::first_parameters(DriveUnit& d) {
   for (const auto& [name, value] : d.spec.parameters)
-    if (const auto set = d.inverter->preset_parameter(name.value, value.value); !set) refuse(name.at, set.error());
+    if (const auto set = d.inverter->preset_parameter(name.value, value.value); !set)
+      refuse(name.at, d.spec.name, set.error());
 }
 
 void Plant::inputs(DriveUnit& d) {
-  const auto refuse = [&](Position at, const std::string& message) {
-    throw PlantFileError(file_.path, {{at, d.spec.name + ": " + sentence(message)}});
-  };
   for (const auto& [name, on] : d.spec.terminals) {
     if (const auto set = d.inverter->set_terminal(name.value, on); !set) {
       std::vector<std::string_view> known;
       for (const auto& t : d.inverter->terminals()) known.push_back(t.first);
-      refuse(name.at, sentence(set.error()) + suggestion(name.value, known));
+      refuse(name.at, d.spec.name, sentence(set.error()) + suggestion(name.value, known));
     }
   }
   for (const auto& [name, value] : d.spec.analog)
-    if (const auto set = d.inverter->set_analog(name.value, value); !set) refuse(name.at, set.error());
+    if (const auto set = d.inverter->set_analog(name.value, value); !set) refuse(name.at, d.spec.name, set.error());
 }
 
 void Plant::start() {

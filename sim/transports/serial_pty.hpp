@@ -3,9 +3,10 @@
 // No slave is kept open on our side, so that hang-up tells whether a client is there: bytes sent to nobody are lost, as
 // on a wire, and a client never finds the answer that the one before it did not wait for.
 //
-// A pseudo-terminal carries no parity, so of the line settings only the speed is compared. The slave starts raw, at a
-// speed that no client sets (134.5 baud): until a client sets one, it is taken to have the right one. What a client set
-// stays when it closes, as on a real port.
+// A pseudo-terminal carries no parity, so of the line settings only the speed is compared; a client whose library
+// checks what it has set (pyserial: "Invalid argument") must ask for no parity here. The slave starts raw, at a speed
+// that no client sets (134.5 baud): until a client sets one, it is taken to have the right one. What a client set stays
+// when it closes, as on a real port.
 #pragma once
 
 #include <memory>

@@ -32,6 +32,13 @@ std::string can_interfaces() {
   return names;
 }
 
+// A refusal as it stands alone.
+std::string sentence(std::string refusal) {
+  if (refusal.front() >= 'a' && refusal.front() <= 'z')
+    refusal.front() = static_cast<char>(refusal.front() - 'a' + 'A');
+  return refusal + ".";
+}
+
 }  // namespace
 
 kernel::LatenessHistogram measure_timer_lateness(Duration span) {
@@ -65,9 +72,8 @@ Finding can_bind(const std::string& host, std::uint16_t port) {
   options.host = host;
   options.port = port;
   const auto listener = TcpListener::open(loop, options, [](Instant, std::unique_ptr<ByteStream>) {});
-  const std::string where = host + " port " + std::to_string(port);
-  if (!listener) return {false, "TCP on " + where + ": " + listener.error() + "."};
-  return {true, "TCP on " + where + " is free to listen on."};
+  if (!listener) return {false, sentence(listener.error())};
+  return {true, "TCP " + host + " port " + std::to_string(port) + " is free to listen on."};
 }
 
 Finding can_schedule_realtime() {
@@ -93,7 +99,7 @@ Finding can_schedule_realtime() {
 Finding can_open_pty() {
   EventLoop loop;
   const auto line = SerialPty::open(loop, {});
-  if (!line) return {false, "Serial lines cannot be pseudo-terminals here: " + line.error() + "."};
+  if (!line) return {false, sentence(line.error())};
   return {true, "Pseudo-terminals work (" + (*line)->name() + " was free)."};
 }
 

@@ -157,6 +157,7 @@ TEST_F(LivePlantTest, DamagedEepromsAreKeptAsideAndRaiseTheStorageAlarm) {
       const Json s = Json::parse(
           ask_control(ready["control"], R"({"jsonrpc":"2.0","id":1,"method":"status","params":{"drive":"a"}})"));
       EXPECT_EQ(s["result"]["alarm"]["name"], "E.PE") << s.dump();
+      EXPECT_EQ(s["result"]["endpoints"][0]["unit"], 5) << "masters find the drive where they look for it";
     });
     const std::string aside = file + ".damaged-" + std::to_string(++n);
     std::ostringstream kept;

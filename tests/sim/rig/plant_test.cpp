@@ -75,11 +75,12 @@ TEST_F(PlantTest, ParametersAndNodeAreFirstValuesAndAStoredEepromWins) {
   EXPECT_TRUE(damaged_.empty());
 }
 
-TEST_F(PlantTest, ADamagedEepromIsReportedAndNotPresetOver) {
+TEST_F(PlantTest, ADamagedEepromIsReportedAndOnlyTheNodeIsPresetOverFactoryValues) {
   eeproms_["a"] = "garbage";
   const auto p = plant("drives:\n  - name: a\n    parameters: { Pr.7: 2.5 }\n");
   EXPECT_EQ(damaged_.at("a"), "line 1: no parameter.");
   EXPECT_DOUBLE_EQ(*p->drives()[0]->inverter->get_parameter("Pr.7"), 5);
+  EXPECT_DOUBLE_EQ(*p->drives()[0]->inverter->get_parameter("Pr.345"), 1);
 }
 
 TEST_F(PlantTest, ChangedEepromsAreHandedOutOnce) {

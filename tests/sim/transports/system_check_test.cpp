@@ -21,6 +21,7 @@ TEST(SystemCheck, CanBindTellsAFreePortFromATakenOne) {
   ASSERT_TRUE(listener);
   const Finding taken = can_bind("127.0.0.1", (*listener)->port());
   EXPECT_FALSE(taken.ok);
+  EXPECT_EQ(taken.sentence.rfind("Cannot listen on 127.0.0.1:", 0), 0u) << taken.sentence;
   EXPECT_NE(taken.sentence.find("address in use"), std::string::npos) << taken.sentence;
   const Finding free = can_bind("127.0.0.1", 0);
   EXPECT_TRUE(free.ok) << free.sentence;

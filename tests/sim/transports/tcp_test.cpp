@@ -70,7 +70,7 @@ class EchoServer {
     ByteStream& s = *stream;
     streams_[id] = std::move(stream);
     s.set_handlers(
-        [this, &s](Instant now, ByteView bytes, bool) {
+        [&s](Instant now, ByteView bytes, bool) {
           const std::string text(bytes.begin(), bytes.end());
           if (text.rfind("big ", 0) != 0) return s.send(now, bytes);
           const Bytes piece(1000, 'x');
