@@ -56,10 +56,12 @@ inline ShaftTorques shaft_torques(const LoadModel& l, double t, double omega_mec
           (l.linear_nm_s + l.quadratic_nm_s2 * std::abs(omega_mech)) * omega_mech + l.hoist_nm + sign * dry_load(l, t)};
 }
 
-// What holds a standing shaft. Never quite nothing: breaking away is a root, which must rise from below zero.
+// What holds a standing shaft: a little more than the sliding torque, so that a shaft that breaks away accelerates in
+// that direction; and never quite nothing, because breaking away is a root, which must rise from below zero.
+inline constexpr double kBreakaway = 1.001;
 inline constexpr double kLeastHoldingNm = 1e-6;
 inline double holding_torque(const LoadModel& l, double t) {
-  const double dry = l.coulomb_nm + dry_load(l, t);
+  const double dry = kBreakaway * (l.coulomb_nm + dry_load(l, t));
   return dry > kLeastHoldingNm ? dry : kLeastHoldingNm;
 }
 
