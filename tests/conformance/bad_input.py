@@ -63,7 +63,7 @@ class BadInput(unittest.TestCase):
         self.assertIn("nowhere.yaml", done.stderr)
 
     def test_wrong_command_line(self):
-        for arguments in (["no-such-command"], ["run"], ["run", "x.yaml", "--no-such-option"]):
+        for arguments in ([], ["no-such-command"], ["run", "x.yaml", "--no-such-option"]):
             done = run(*arguments, folder=self.folder)
             self.assertNotEqual(done.returncode, 0)
             self.assertIn("--help", done.stderr)

@@ -130,3 +130,13 @@ class Plant:
     def signals(self, drive):
         """The drive's named live values."""
         return {name: signal["value"] for name, signal in self.ctl(drive, "status")["signals"].items()}
+
+    def power_off(self, drive):
+        """Opens the drive's breaker and waits until its control supply, which lives on the DC link for a while, is gone."""
+        self.ctl(drive, "power", "off")
+        wait_until(lambda: not self.ctl(drive, "status")["ready"], 10, f"{drive} without control supply")
+
+    def power_on(self, drive):
+        """Closes the breaker and waits until the drive has started."""
+        self.ctl(drive, "power", "on")
+        wait_until(lambda: self.ctl(drive, "status")["ready"], 10, f"{drive} started")

@@ -1,11 +1,10 @@
 """The serial line, by masters that do it wrong: another unit, another speed, a broken CRC, broadcast. Silence each time."""
-import time
 
 import serial
 
 from masters import Libmodbus, Mbpoll, Pymodbus
 from plant import Plant, wait_until
-from story import COMMAND, FORWARD, FREQUENCY, NET, RUN_BIT, STATUS, STOP, answered, expect_silence, parameter
+from story import COMMAND, FORWARD, FREQUENCY, NET, RUN_BIT, STATUS, STOP, expect_silence, parameter
 
 PLANT = """
 name: line
@@ -57,18 +56,20 @@ def speeds(endpoint, plant):
     with Pymodbus(endpoint) as m:
         m.write(NET, 1)
         m.write(parameter(347), 5)
-    plant.ctl("left", "power", "off")
-    time.sleep(0.1)
-    plant.ctl("left", "power", "on")
-    with Pymodbus(endpoint, baud=19200) as m:
-        wait_until(lambda: answered(m, STATUS), 10, "an answer at the new speed")
+    plant.power_off("left")
+    plant.power_on("left")
+    with Pymodbus(endpoint) as m:
+        expect_silence(m.read, STATUS)
+    with Pymodbus(endpoint, unit=6) as m:
+        m.read(STATUS)  # the other drive on the line has kept its speed
+    with Libmodbus(endpoint, baud=19200) as m:
+        m.read(STATUS)
         m.write(NET, 1)
         m.write(parameter(347), 4)
-    plant.ctl("left", "power", "off")
-    time.sleep(0.1)
-    plant.ctl("left", "power", "on")
+    plant.power_off("left")
+    plant.power_on("left")
     with Pymodbus(endpoint) as m:
-        wait_until(lambda: answered(m, STATUS), 10, "an answer at the old speed")
+        m.read(STATUS)
 
 
 def frames(endpoint):

@@ -32,7 +32,9 @@ struct Witness {
 
 TEST(MemoryLink, BytesArriveAfterTheDelayInOrderAtBothEnds) {
   kernel::Scheduler s;
-  auto [a, b] = make_memory_link(s, {.delay = milliseconds(5), .name_a = "plc", .name_b = "board"});
+  MemoryLink link = make_memory_link(s, {.delay = milliseconds(5), .name_a = "plc", .name_b = "board"});
+  std::unique_ptr<ByteStream>& a = link.first;
+  std::unique_ptr<ByteStream>& b = link.second;
   Witness at_a;
   Witness at_b;
   at_a.listen(*a);
@@ -53,11 +55,13 @@ TEST(MemoryLink, BytesArriveAfterTheDelayInOrderAtBothEnds) {
 
 TEST(MemoryLink, WithoutDelayBytesArriveInTheSamePassButNotFromWithinSend) {
   kernel::Scheduler s;
-  auto [a, b] = make_memory_link(s);
+  MemoryLink link = make_memory_link(s);
+  std::unique_ptr<ByteStream>& a = link.first;
+  std::unique_ptr<ByteStream>& b = link.second;
   Witness at_b;
   at_b.listen(*b);
-  s.schedule(at_ms(1), Priority::kStimulus, [&, &sender = a](Instant now) {
-    sender->send(now, bytes_of("x"));
+  s.schedule(at_ms(1), Priority::kStimulus, [&](Instant now) {
+    a->send(now, bytes_of("x"));
     EXPECT_EQ(at_b.log, "");
   });
   s.run_until(at_ms(1));
@@ -66,7 +70,9 @@ TEST(MemoryLink, WithoutDelayBytesArriveInTheSamePassButNotFromWithinSend) {
 
 TEST(MemoryLink, ClosingTellsTheOtherEndOnceBehindWhatWasSent) {
   kernel::Scheduler s;
-  auto [a, b] = make_memory_link(s, {.delay = milliseconds(5)});
+  MemoryLink link = make_memory_link(s, {.delay = milliseconds(5)});
+  std::unique_ptr<ByteStream>& a = link.first;
+  std::unique_ptr<ByteStream>& b = link.second;
   Witness at_a;
   Witness at_b;
   at_a.listen(*a);
@@ -86,13 +92,15 @@ TEST(MemoryLink, ClosingTellsTheOtherEndOnceBehindWhatWasSent) {
 
 TEST(MemoryLink, AnEndThatIsDestroyedInItsHandlerIsGone) {
   kernel::Scheduler s;
-  auto [a, b] = make_memory_link(s);
+  MemoryLink link = make_memory_link(s);
+  std::unique_ptr<ByteStream>& a = link.first;
+  std::unique_ptr<ByteStream>& b = link.second;
   Witness at_a;
   at_a.listen(*a);
   int calls = 0;
   b->set_handlers(
-      [&calls, &end = b, guard = std::string(64, 'g')](Instant, ByteView, bool) {
-        end.reset();
+      [&calls, &b, guard = std::string(64, 'g')](Instant, ByteView, bool) {
+        b.reset();
         calls += static_cast<int>(guard.size());
       },
       {});
@@ -105,7 +113,9 @@ TEST(MemoryLink, AnEndThatIsDestroyedInItsHandlerIsGone) {
 
 TEST(MemoryLink, BytesWaitForHandlersInOrderUpToTheLimit) {
   kernel::Scheduler s;
-  auto [a, b] = make_memory_link(s);
+  MemoryLink link = make_memory_link(s);
+  std::unique_ptr<ByteStream>& a = link.first;
+  std::unique_ptr<ByteStream>& b = link.second;
   Witness at_a;
   at_a.listen(*a);
   a->send(at_ms(0), bytes_of("early "));
@@ -121,7 +131,9 @@ TEST(MemoryLink, BytesWaitForHandlersInOrderUpToTheLimit) {
 
 TEST(MemoryLink, APeerThatNeverReadsIsDisconnectedAtTheLimit) {
   kernel::Scheduler s;
-  auto [a, b] = make_memory_link(s);
+  MemoryLink link = make_memory_link(s);
+  std::unique_ptr<ByteStream>& a = link.first;
+  std::unique_ptr<ByteStream>& b = link.second;
   Witness at_a;
   at_a.listen(*a);
   const Bytes kilobyte(1024);
