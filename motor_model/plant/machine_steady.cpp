@@ -1,5 +1,6 @@
 #include "motor_model/plant/machine_steady.hpp"
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <complex>
 
@@ -10,16 +11,16 @@ using Complex = std::complex<double>;
 double phase_peak(double line_v_rms) { return line_v_rms * std::sqrt(2.0 / 3.0); }
 
 SteadyPoint steady_point(const MachineModel& m, double voltage_peak_v, double omega_k_rad_s, double slip) {
-  // 0 = U - (R_s gamma_s + j w) psi_s + R_s gamma_m psi_r;  0 = R_r gamma_m psi_s - (R_r gamma_r + j s w) psi_r
-  const Complex a{m.R_s * m.gamma_s, omega_k_rad_s};
-  const Complex b{m.R_r * m.gamma_r, slip * omega_k_rad_s};
-  const double coupling = m.R_s * m.gamma_m * m.R_r * m.gamma_m;
-  const Complex psi_s = voltage_peak_v * b / (a * b - coupling);
-  const Complex psi_r = m.R_r * m.gamma_m * psi_s / b;
+  // The flux equations at rest: 0 = U - (R_s gamma_s + j w) psi_s + R_s gamma_m psi_r,
+  // 0 = R_r gamma_m psi_s - (R_r gamma_r + j s w) psi_r.
+  Eigen::Matrix2cd a;
+  a << Complex{m.R_s * m.gamma_s, omega_k_rad_s}, -m.R_s * m.gamma_m,
+      -m.R_r * m.gamma_m, Complex{m.R_r * m.gamma_r, slip * omega_k_rad_s};
+  const Eigen::Vector2cd psi = a.inverse() * Eigen::Vector2cd{voltage_peak_v, 0.0};
 
   SteadyPoint out;
   out.slip = slip;
-  out.psi = {psi_s.real(), psi_s.imag(), psi_r.real(), psi_r.imag()};
+  out.psi = {psi[0].real(), psi[0].imag(), psi[1].real(), psi[1].imag()};
   out.i = currents(m, out.psi);
   out.torque_nm = air_gap_torque(m, out.psi, out.i);
   const double i_peak = std::hypot(out.i.i_sd, out.i.i_sq);
