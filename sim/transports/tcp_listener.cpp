@@ -7,6 +7,7 @@
 #include <asio/ip/tcp.hpp>
 #include <utility>
 
+#include "sim/transports/accept_loop.hpp"
 #include "sim/transports/io_error.hpp"
 #include "sim/transports/socket_stream.hpp"
 
@@ -21,8 +22,6 @@ constexpr int kSendBufferBytes = 64 * 1024;
 constexpr int kKeepAliveIdleSeconds = 60;
 constexpr int kKeepAliveIntervalSeconds = 10;
 constexpr int kKeepAliveProbes = 5;
-// When the process has no descriptor left, accepting again at once would spin.
-constexpr Duration kAcceptRetryDelay = std::chrono::milliseconds(100);
 
 using KeepAliveIdle = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_KEEPIDLE>;
 using KeepAliveInterval = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_KEEPINTVL>;
@@ -52,29 +51,9 @@ void set_options(tcp::socket& socket) {
 
 }  // namespace
 
-struct TcpListener::Impl : std::enable_shared_from_this<Impl> {
+struct TcpListener::Impl : AcceptLoop<Impl, tcp> {
   Impl(EventLoop& l, std::size_t limit, OnAccept handler)
-      : loop(l), acceptor(l.io()), table(limit), on_accept(std::move(handler)) {}
-
-  void accept() {
-    acceptor.async_accept([self = shared_from_this()](const asio::error_code& error, tcp::socket socket) {
-      if (!self->acceptor.is_open()) return;
-      if (!error) {
-        self->take(std::move(socket));
-      } else if (error.value() != ECONNABORTED) {
-        return self->accept_later();
-      }
-      if (self->acceptor.is_open()) self->accept();
-    });
-  }
-
-  void accept_later() {
-    loop.scheduler().schedule(loop.now() + kAcceptRetryDelay, kernel::Priority::kWire,
-                              [weak = weak_from_this()](Instant) {
-                                const auto self = weak.lock();
-                                if (self && self->acceptor.is_open()) self->accept();
-                              });
-  }
+      : AcceptLoop(l), table(limit), on_accept(std::move(handler)) {}
 
   void take(tcp::socket socket) {
     asio::error_code error;
@@ -89,8 +68,6 @@ struct TcpListener::Impl : std::enable_shared_from_this<Impl> {
     handler(loop.now(), make_socket_stream(loop, std::move(socket), text(peer.address(), peer.port()), &table));
   }
 
-  EventLoop& loop;
-  tcp::acceptor acceptor;
   tcp::endpoint bound;
   ConnectionTable table;
   std::uint64_t refused = 0;

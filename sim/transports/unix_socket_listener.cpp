@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "sim/transports/accept_loop.hpp"
 #include "sim/transports/io_error.hpp"
 #include "sim/transports/socket_stream.hpp"
 
@@ -18,8 +19,6 @@ namespace vinv::transports {
 namespace {
 
 using Protocol = asio::local::stream_protocol;
-
-constexpr Duration kAcceptRetryDelay = std::chrono::milliseconds(100);
 
 std::string refusal(const std::string& path, const std::string& why) { return "cannot listen on " + path + ": " + why; }
 
@@ -43,29 +42,9 @@ Result<void, std::string> clear_path(asio::io_context& io, const std::string& pa
 
 }  // namespace
 
-struct UnixSocketListener::Impl : std::enable_shared_from_this<Impl> {
+struct UnixSocketListener::Impl : AcceptLoop<Impl, Protocol> {
   Impl(EventLoop& l, std::string p, OnAccept handler)
-      : loop(l), acceptor(l.io()), table(kMaxConnections), path(std::move(p)), on_accept(std::move(handler)) {}
-
-  void accept() {
-    acceptor.async_accept([self = shared_from_this()](const asio::error_code& error, Protocol::socket socket) {
-      if (!self->acceptor.is_open()) return;
-      if (!error) {
-        self->take(std::move(socket));
-      } else if (error.value() != ECONNABORTED) {
-        return self->accept_later();
-      }
-      if (self->acceptor.is_open()) self->accept();
-    });
-  }
-
-  void accept_later() {
-    loop.scheduler().schedule(loop.now() + kAcceptRetryDelay, kernel::Priority::kWire,
-                              [weak = weak_from_this()](Instant) {
-                                const auto self = weak.lock();
-                                if (self && self->acceptor.is_open()) self->accept();
-                              });
-  }
+      : AcceptLoop(l), table(kMaxConnections), path(std::move(p)), on_accept(std::move(handler)) {}
 
   void take(Protocol::socket socket) {
     if (!table.has_room()) return;
@@ -74,8 +53,6 @@ struct UnixSocketListener::Impl : std::enable_shared_from_this<Impl> {
             make_socket_stream(loop, std::move(socket), path + " client " + std::to_string(++accepted), &table));
   }
 
-  EventLoop& loop;
-  Protocol::acceptor acceptor;
   ConnectionTable table;
   std::string path;
   OnAccept on_accept;
