@@ -151,6 +151,7 @@ def trip_and_reset(m, plant):
     assert m.read(OUTPUT_FREQUENCY) == [0]
     wait_until(lambda: abs(plant.signals(DRIVE)["speed"]) < 1, 30, "coasting to a stop")
     m.write(RESET, 0)
+    expect_exception(4, m.read, STATUS)                       # the dead time after a reset
     status = wait_until(lambda: (s := answered(m, STATUS)) and not s[0] & ALARM_BIT and s, 10, "the end of the reset")
     assert m.read(ALARMS)[0] & 0xFF == E_OV3, "a reset keeps the history"
 
