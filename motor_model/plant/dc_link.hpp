@@ -6,10 +6,10 @@
 namespace vinv::plant {
 
 struct DcLink {
-  double inverse_capacitance = 0;      // 1/F; 0 holds the voltage, for traces with an ideal source
-  double brake_conductance_s = 0;      // 0: no resistor fitted
-  double standby_w = 0;                // at nominal voltage: control supply and bleeder together
-  double nominal_v = 1;                // sqrt(2) * nominal mains
+  double inverse_capacitance = 0;  // 1/F; 0 holds the voltage, for traces with an ideal source
+  double brake_conductance_s = 0;  // 0: no resistor fitted
+  double standby_w = 0;            // at nominal voltage: control supply and bleeder together
+  double nominal_v = 1;            // sqrt(2) * nominal mains
   double inverse_nominal_v2 = 1;
 
   DcLink() = default;

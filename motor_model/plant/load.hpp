@@ -16,13 +16,13 @@ enum class ShaftMode : std::uint8_t {
   kFree,     // no dry torque
   kForward,  // sliding
   kReverse,
-  kHeld,     // standing, held by dry torque
+  kHeld,  // standing, held by dry torque
 };
 
 struct LoadModel {
-  double inverse_inertia = 0;          // motor and load, 1/(kg m^2)
+  double inverse_inertia = 0;  // motor and load, 1/(kg m^2)
   double inertia = 0;
-  double viscous_nm_s = 0;             // motor friction
+  double viscous_nm_s = 0;  // motor friction
   double coulomb_nm = 0;
   double constant_nm = 0;
   double linear_nm_s = 0;
@@ -33,7 +33,7 @@ struct LoadModel {
   double table_nm_per_s = 0;
   double table_t_ref = 0;
   ShaftMode mode = ShaftMode::kFree;
-  bool locked = false;                 // by the user: speed does not change at all
+  bool locked = false;  // by the user: speed does not change at all
 };
 
 struct ShaftTorques {
@@ -56,10 +56,12 @@ inline ShaftTorques shaft_torques(const LoadModel& l, double t, double omega_mec
           (l.linear_nm_s + l.quadratic_nm_s2 * std::abs(omega_mech)) * omega_mech + l.hoist_nm + sign * dry_load(l, t)};
 }
 
-// What holds a standing shaft. Never quite nothing: breaking away is a root, which must rise from below zero.
+// What holds a standing shaft: a little more than the sliding torque, so that a shaft that breaks away accelerates in
+// that direction; and never quite nothing, because breaking away is a root, which must rise from below zero.
+inline constexpr double kBreakaway = 1.001;
 inline constexpr double kLeastHoldingNm = 1e-6;
 inline double holding_torque(const LoadModel& l, double t) {
-  const double dry = l.coulomb_nm + dry_load(l, t);
+  const double dry = kBreakaway * (l.coulomb_nm + dry_load(l, t));
   return dry > kLeastHoldingNm ? dry : kLeastHoldingNm;
 }
 
@@ -70,9 +72,9 @@ bool same_load(const LoadSettings& a, const LoadSettings& b);
 
 // Torque of the table at a time since start, linear between points, held at the end, 0 before the first.
 struct TableSegment {
-  double torque_nm = 0;                // at time_s
+  double torque_nm = 0;  // at time_s
   double slope_nm_per_s = 0;
-  double end_s = 0;                    // next point, infinity after the last
+  double end_s = 0;  // next point, infinity after the last
 };
 TableSegment table_segment(const LoadSettings& load, double time_s);
 

@@ -10,8 +10,7 @@ MachineModel::MachineModel(const MachineParameters& machine)
       L_m(machine.L_m_h),
       pole_pairs(machine.pole_pairs) {
   // L_s L_r - L_m^2 written without the difference of two large numbers.
-  const double determinant =
-      machine.L_ls_h * machine.L_lr_h + machine.L_m_h * (machine.L_ls_h + machine.L_lr_h);
+  const double determinant = machine.L_ls_h * machine.L_lr_h + machine.L_m_h * (machine.L_ls_h + machine.L_lr_h);
   L_sigma = determinant / L_r;
   gamma_s = L_r / determinant;
   gamma_r = L_s / determinant;

@@ -15,13 +15,13 @@ namespace vinv::plant {
 
 // Constants of the flux equations, computed once.
 struct MachineModel {
-  double R_s = 0, R_r = 0;       // ohm
-  double L_s = 0, L_r = 0;       // H, self inductances
+  double R_s = 0, R_r = 0;  // ohm
+  double L_s = 0, L_r = 0;  // H, self inductances
   double L_m = 0;
-  double L_sigma = 0;            // D / L_r: what the stator current sees while the rotor flux stands still
-  double gamma_s = 0;            // L_r / D
-  double gamma_r = 0;            // L_s / D
-  double gamma_m = 0;            // L_m / D
+  double L_sigma = 0;  // D / L_r: what the stator current sees while the rotor flux stands still
+  double gamma_s = 0;  // L_r / D
+  double gamma_r = 0;  // L_s / D
+  double gamma_m = 0;  // L_m / D
   double pole_pairs = 1;
 
   MachineModel() = default;
@@ -33,7 +33,7 @@ struct FluxPair {
 };
 
 struct CurrentPair {
-  double i_sd = 0, i_sq = 0, i_rd = 0, i_rq = 0;          // A peak
+  double i_sd = 0, i_sq = 0, i_rd = 0, i_rq = 0;  // A peak
 };
 
 inline CurrentPair currents(const MachineModel& m, const FluxPair& psi) {

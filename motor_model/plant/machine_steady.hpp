@@ -11,9 +11,9 @@ struct SteadyPoint {
   double slip = 0;
   FluxPair psi;
   CurrentPair i;
-  double torque_nm = 0;          // air gap
+  double torque_nm = 0;  // air gap
   double current_a_rms = 0;
-  double power_factor = 0;       // signed: negative while regenerating
+  double power_factor = 0;  // signed: negative while regenerating
   double input_power_w = 0;
 };
 
@@ -22,7 +22,7 @@ SteadyPoint steady_point(const MachineModel& machine, double voltage_peak_v, dou
 // Slips of largest motoring and regenerating torque at this supply.
 struct BreakdownSlips {
   double motoring = 0;
-  double regenerating = 0;       // negative
+  double regenerating = 0;  // negative
 };
 BreakdownSlips breakdown_slips(const MachineModel& machine, double omega_k_rad_s);
 

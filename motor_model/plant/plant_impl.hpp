@@ -11,7 +11,7 @@ struct PowerPlant::Impl {
 
   // Inputs.
   void set_stage(const StageInput& next);
-  void take_stage_levels();              // what does not ramp
+  void take_stage_levels();  // what does not ramp
   void set_mains(const MainsState& next);
   void set_load(const LoadSettings& next);
   void set_shaft_locked(bool locked);
@@ -19,10 +19,10 @@ struct PowerPlant::Impl {
 
   // One advance().
   Events advance(Duration dt);
-  void apply_stage(Duration dt);         // starts the way of frequency and voltage to the new values
+  void apply_stage(Duration dt);  // starts the way of frequency and voltage to the new values
   void end_stage_way();
-  void rebase();                         // solver time 0 is now
-  void begin_anew();                     // settles switches and shaft, restarts the solver at time_
+  void rebase();      // solver time 0 is now
+  void begin_anew();  // settles switches and shaft, restarts the solver at time_
   void integrate_to(Duration end);
   void on_roots(std::uint32_t roots);
   void settle_link(double v);
@@ -30,7 +30,7 @@ struct PowerPlant::Impl {
   bool current_too_high() const;
   void shut_for_over_current();
   void refresh_rectifier();
-  void refresh_model();                  // switch positions and levels into the right-hand side
+  void refresh_model();  // switch positions and levels into the right-hand side
   void restart_solver(double t);
   void enter_table_segment();
   void report(PlantEventKind kind, double value);
@@ -40,9 +40,9 @@ struct PowerPlant::Impl {
   const double* y() const { return solver->states(); }
 
   // Inputs as held.
-  PlantConfig config;                    // load, mains and ambient inside follow the inputs
+  PlantConfig config;  // load, mains and ambient inside follow the inputs
   StageInput stage;
-  bool stage_jumps = true;               // frequency or voltage step to the new value instead of ramping
+  bool stage_jumps = true;  // frequency or voltage step to the new value instead of ramping
 
   PlantModel model;
   SwitchLevels levels;
@@ -53,9 +53,9 @@ struct PowerPlant::Impl {
   Duration time{};
   Duration base{};
   double t = 0;
-  bool anew = true;                      // an input has jumped since the last advance
-  Duration table_end{};                  // next point of the load table
-  Duration way_end = Duration::max();    // frequency and voltage have arrived
+  bool anew = true;                    // an input has jumped since the last advance
+  Duration table_end{};                // next point of the load table
+  Duration way_end = Duration::max();  // frequency and voltage have arrived
 
   Duration advance_start{};
   Events events;

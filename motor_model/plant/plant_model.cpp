@@ -90,9 +90,8 @@ int comparators(const void* model, double t, const double* y, double* g) {
   g[root::kLinkBelow] = m.link_below_v - y[state::kDcLink];
   g[root::kShaft] = -1;
   if (!m.load.locked && m.load.mode != ShaftMode::kFree) {
-    g[root::kShaft] = m.load.mode == ShaftMode::kHeld
-                          ? std::abs(net_torque_at_rest(m, y)) - holding_torque(m.load, t)
-                          : -sliding_sign(m.load.mode) * y[state::kOmegaMech];
+    g[root::kShaft] = m.load.mode == ShaftMode::kHeld ? std::abs(net_torque_at_rest(m, y)) - holding_torque(m.load, t)
+                                                      : -sliding_sign(m.load.mode) * y[state::kOmegaMech];
   }
   return 0;
 }

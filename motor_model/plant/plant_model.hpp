@@ -22,7 +22,7 @@ inline constexpr std::size_t kPsiSd = 0, kPsiSq = 1, kPsiRd = 2, kPsiRq = 3;  //
 inline constexpr std::size_t kOmegaMech = 4;                                  // rad/s
 inline constexpr std::size_t kDcLink = 5;                                     // V
 inline constexpr std::size_t kCoreStates = 6;
-inline constexpr std::size_t kHeatSink = 6, kWinding = 7;                     // degC
+inline constexpr std::size_t kHeatSink = 6, kWinding = 7;  // degC
 inline constexpr std::size_t kFromMains = 8, kStatorCopper = 9, kRotorCopper = 10, kIron = 11, kInverter = 12,
                              kStandby = 13, kSource = 14, kBrake = 15, kFriction = 16, kLoad = 17;  // J
 inline constexpr std::size_t kStates = 18;
@@ -30,10 +30,10 @@ inline constexpr std::size_t kStates = 18;
 
 // Comparators as rising functions: they act when they go through zero upwards.
 namespace root {
-inline constexpr std::size_t kOverCurrent = 0;   // |i_s|^2 above its limit
-inline constexpr std::size_t kLinkAbove = 1;     // link at the upper edge of the band in which no switch acts
-inline constexpr std::size_t kLinkBelow = 2;     // link at its lower edge
-inline constexpr std::size_t kShaft = 3;         // sliding: rotation ends; held: breaks away
+inline constexpr std::size_t kOverCurrent = 0;  // |i_s|^2 above its limit
+inline constexpr std::size_t kLinkAbove = 1;    // link at the upper edge of the band in which no switch acts
+inline constexpr std::size_t kLinkBelow = 2;    // link at its lower edge
+inline constexpr std::size_t kShaft = 3;        // sliding: rotation ends; held: breaks away
 inline constexpr std::size_t kRoots = 4;
 }  // namespace root
 
@@ -47,16 +47,16 @@ struct PlantModel {
   // Stage.
   bool gates_on = false;
   bool chopper_on = false;
-  double omega_k = 0;                  // rad/s, at t_input
+  double omega_k = 0;  // rad/s, at t_input
   double commanded_peak_v = 0;
-  double omega_k_slope = 0;            // per second, on the way there
+  double omega_k_slope = 0;  // per second, on the way there
   double commanded_peak_slope = 0;
   double t_input = 0;
   double inverter_loss_fraction = 0;
-  double iron_w_per_wb2 = 0;           // at the present frequency
+  double iron_w_per_wb2 = 0;  // at the present frequency
 
   // Comparator levels of this integration.
-  double over_current_squared = 0;     // A^2, 0: off
+  double over_current_squared = 0;  // A^2, 0: off
   double link_above_v = 0;
   double link_below_v = 0;
 };
@@ -69,7 +69,7 @@ struct Flows {
   double torque_nm = 0;
   ShaftTorques shaft;
   RectifierFlow rectifier;
-  double link_current_a = 0;           // out of the link: stage, losses, standby, brake
+  double link_current_a = 0;  // out of the link: stage, losses, standby, brake
   double current_squared = 0;
   double output_w = 0, iron_w = 0, inverter_w = 0, standby_w = 0, brake_w = 0;
 };

@@ -210,9 +210,9 @@ void PowerPlant::Impl::measure() {
   out.load_torque_nm = f.shaft.load_nm;
   if (!model.load.locked && model.load.mode == ShaftMode::kHeld) {
     // The part of the reaction that the driven machine takes.
-    const double holding = holding_torque(model.load, t);
-    const double share = std::max(0.0, dry_load(model.load, t)) / holding;
-    out.load_torque_nm = model.load.hoist_nm + std::min(1.0, share) * (f.torque_nm - model.load.hoist_nm);
+    const double of_load = std::max(0.0, dry_load(model.load, t));
+    const double share = of_load > 0 ? of_load / (of_load + model.load.coulomb_nm) : 0;
+    out.load_torque_nm = model.load.hoist_nm + share * (f.torque_nm - model.load.hoist_nm);
   }
   out.shaft_power_w = (f.torque_nm - f.shaft.friction_nm) * omega;
   out.input_power_w = f.rectifier.mains_w;

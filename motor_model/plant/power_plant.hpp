@@ -193,6 +193,8 @@ class PowerPlant {
   PowerPlant& operator=(PowerPlant&&) noexcept;
 
   // Inputs; each takes effect at the start of the next advance(). An input that really jumps re-initialises the solver.
+  // Frequency and voltage that change by less than 1 % of rated are stairs of a ramp: they arrive along a line at the
+  // end of the next advance() (after 1 ms if that is longer). A larger change is a jump and acts at once.
   void set_stage(const StageInput& stage);
   void set_mains(const MainsState& mains);
   void set_load(const LoadSettings& load);

@@ -13,14 +13,14 @@
 namespace vinv::plant {
 
 struct Rectifier {
-  double v_peak = 0;             // V, sqrt(2) * line voltage
-  double conductance_s = 0;      // 1 / (source + pre-charge resistance)
+  double v_peak = 0;         // V, sqrt(2) * line voltage
+  double conductance_s = 0;  // 1 / (source + pre-charge resistance)
   bool single_phase = false;
-  bool live = false;             // at least two phases
+  bool live = false;  // at least two phases
 };
 
 struct RectifierFlow {
-  double current_a = 0;          // into the link
+  double current_a = 0;  // into the link
   double mains_w = 0;
 };
 

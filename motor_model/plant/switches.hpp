@@ -7,22 +7,22 @@
 namespace vinv::plant {
 
 struct SwitchLevels {
-  double over_voltage_v = 0;           // 0: off
+  double over_voltage_v = 0;  // 0: off
   double over_voltage_clear_v = 0;
-  double under_voltage_v = 0;          // 0: off
+  double under_voltage_v = 0;  // 0: off
   double under_voltage_clear_v = 0;
   double bypass_closes_v = 0;
   double bypass_opens_v = 0;
   double chopper_on_v = 0;
   double chopper_off_v = 0;
-  bool chopper_possible = false;       // enabled, a resistor is fitted, levels make sense
+  bool chopper_possible = false;  // enabled, a resistor is fitted, levels make sense
 };
 
 // Positions. Plain data, part of a snapshot.
 struct Switches {
   bool gates_commanded = false;
-  bool gates_latched = false;          // shut by a comparator until the owner takes the command away
-  bool over_voltage = false;           // link has been above, and not yet below the clear level
+  bool gates_latched = false;  // shut by a comparator until the owner takes the command away
+  bool over_voltage = false;   // link has been above, and not yet below the clear level
   bool under_voltage_armed = false;
   bool bypassed = false;
   bool chopper_on = false;
@@ -38,7 +38,7 @@ struct QuietBand {
 QuietBand quiet_band(const Switches& switches, const SwitchLevels& levels);
 
 struct SwitchActions {
-  bool over_voltage = false;           // comparator events
+  bool over_voltage = false;  // comparator events
   bool under_voltage = false;
 };
 // Moves every switch that has to move at this link voltage.

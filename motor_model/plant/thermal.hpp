@@ -8,8 +8,8 @@ namespace vinv::plant {
 struct Thermal {
   double ambient_c = 25;
   double heat_sink_k_per_w = 0;
-  double heat_sink_rate = 0;           // 1/s
-  double winding_k_per_a2 = 0;         // per A peak squared
+  double heat_sink_rate = 0;    // 1/s
+  double winding_k_per_a2 = 0;  // per A peak squared
   double winding_rate = 0;
 
   Thermal() = default;

@@ -51,8 +51,9 @@ Refusal check_machine_ranges(const MachineParameters& m) {
 // The parts fit each other: values that are each possible, but not of one machine.
 Refusal check_machine_fits(const MachineParameters& m) {
   if (m.L_ls_h >= 0.5 * m.L_m_h || m.L_lr_h >= 0.5 * m.L_m_h) {
-    return fmt::format("leakage L_ls_h {} H, L_lr_h {} H must each be below half of the magnetising inductance L_m_h {} H",
-                       m.L_ls_h, m.L_lr_h, m.L_m_h);
+    return fmt::format(
+        "leakage L_ls_h {} H, L_lr_h {} H must each be below half of the magnetising inductance L_m_h {} H", m.L_ls_h,
+        m.L_lr_h, m.L_m_h);
   }
   const double synchronous_rpm = 60 * m.rated_frequency_hz / m.pole_pairs;
   if (m.rated_speed_rpm >= synchronous_rpm || m.rated_speed_rpm < 0.7 * synchronous_rpm) {
@@ -79,8 +80,7 @@ Refusal check_machine_fits(const MachineParameters& m) {
         no_load_a, m.rated_current_a_rms, m.L_m_h, m.rated_voltage_v_rms);
   }
   const double rated_torque = m.rated_power_w / (m.rated_speed_rpm * std::numbers::pi / 30);
-  const double breakdown =
-      steady_point(model, voltage, omega, breakdown_slips(model, omega).motoring).torque_nm;
+  const double breakdown = steady_point(model, voltage, omega, breakdown_slips(model, omega).motoring).torque_nm;
   if (breakdown <= 1.1 * rated_torque) {
     return fmt::format(
         "breakdown torque of the equivalent circuit is {:.3g} Nm; it must be above 1.1 times the rated torque {:.3g} "
@@ -91,7 +91,7 @@ Refusal check_machine_fits(const MachineParameters& m) {
 }
 
 Refusal check_load(const LoadSettings& l) {
-  const auto refusal = first({
+  auto refusal = first({
       check_range("load inertia_kg_m2", l.inertia_kg_m2, 0, 1e6, "kg m2"),
       check_range("load constant_nm (use hoist_nm for a torque with a direction)", l.constant_nm, 0, 1e7, "Nm"),
       check_range("load linear_nm_s", l.linear_nm_s, 0, 1e6, "Nm s"),
@@ -102,9 +102,9 @@ Refusal check_load(const LoadSettings& l) {
   for (std::size_t n = 0; n < l.table.size(); ++n) {
     const auto& point = l.table[n];
     const double earliest = n > 0 ? l.table[n - 1].time_s : 0;
-    if (auto bad = first({check_range(fmt::format("load table point {}: time_s", n + 1), point.time_s, earliest, 1e9, "s"),
-                          check_range(fmt::format("load table point {}: torque_nm", n + 1), point.torque_nm, -1e7, 1e7,
-                                      "Nm")})) {
+    if (auto bad = first(
+            {check_range(fmt::format("load table point {}: time_s", n + 1), point.time_s, earliest, 1e9, "s"),
+             check_range(fmt::format("load table point {}: torque_nm", n + 1), point.torque_nm, -1e7, 1e7, "Nm")})) {
       return bad;
     }
     if (n >= 2 && l.table[n - 2].time_s == point.time_s) {
@@ -140,12 +140,12 @@ Refusal check_dc_link(const DcLinkSettings& d) {
     return bad;
   }
   if (d.bypass_opens_fraction >= d.bypass_closes_fraction) {
-    return fmt::format("bypass_opens_fraction is {}; it must be below bypass_closes_fraction {}", d.bypass_opens_fraction,
-                       d.bypass_closes_fraction);
+    return fmt::format("bypass_opens_fraction is {}; it must be below bypass_closes_fraction {}",
+                       d.bypass_opens_fraction, d.bypass_closes_fraction);
   }
-  return d.brake_resistance_ohm == 0 ? std::nullopt
-                                     : check_range("brake_resistance_ohm (0 for none)", d.brake_resistance_ohm, 0.1,
-                                                   1e5, "ohm");
+  return d.brake_resistance_ohm == 0
+             ? std::nullopt
+             : check_range("brake_resistance_ohm (0 for none)", d.brake_resistance_ohm, 0.1, 1e5, "ohm");
 }
 
 Refusal check_surroundings(const PlantConfig& c) {
@@ -184,8 +184,8 @@ Result<void, std::string> validate(const LoadSettings& load) { return outcome(ch
 
 Result<void, std::string> validate(const PlantConfig& config) {
   if (auto machine = validate(config.machine); !machine) return machine;
-  for (const auto& refusal : {check_load(config.load), check_losses(config), check_dc_link(config.dc_link),
-                              check_surroundings(config)}) {
+  for (const auto& refusal :
+       {check_load(config.load), check_losses(config), check_dc_link(config.dc_link), check_surroundings(config)}) {
     if (refusal) return outcome(refusal);
   }
   return {};

@@ -36,6 +36,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 #else
 
 // glibc's own entry points under the names it keeps for exactly this.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -54,5 +55,6 @@ void* realloc(void* memory, std::size_t size) {
   return __libc_realloc(memory, size);
 }
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 #endif

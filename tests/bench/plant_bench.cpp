@@ -94,7 +94,7 @@ SolverSettings settings(SolverChoice choice) {
 void run_60_s(benchmark::State& bench, SolverChoice choice, double source_resistance_ohm) {
   const auto count = static_cast<std::size_t>(bench.range(0));
   std::uint64_t rhs = 0, restarts = 0, ticks = 0, allocations = 0;
-  for (auto _ : bench) {
+  for ([[maybe_unused]] auto _ : bench) {
     bench.PauseTiming();
     std::vector<PowerPlant> plants;
     for (std::size_t n = 0; n < count; ++n) plants.push_back(charged(source_resistance_ohm, settings(choice)));
@@ -148,7 +148,7 @@ void PlantLookAhead(benchmark::State& bench, SolverChoice choice) {
   }
   const auto span = std::chrono::milliseconds(bench.range(0));
   const auto rhs = plant.rhs_calls();
-  for (auto _ : bench) benchmark::DoNotOptimize(plant.advance(span).count);
+  for ([[maybe_unused]] auto _ : bench) benchmark::DoNotOptimize(plant.advance(span).count);
   const double seconds = to_seconds(span) * static_cast<double>(bench.iterations());
   bench.counters["sim_s_per_s"] = benchmark::Counter(seconds, benchmark::Counter::kIsRate);
   bench.counters["rhs_per_ms"] = static_cast<double>(plant.rhs_calls() - rhs) / (seconds * 1000);

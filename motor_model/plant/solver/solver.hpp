@@ -18,18 +18,18 @@ inline constexpr std::size_t kMaxRoots = 8;
 // Plain functions over a model: nothing virtual inside the right-hand side. Both return 0.
 struct OdeSystem {
   std::size_t states = 0;
-  std::size_t core_states = 0;                             // the first of them; only they steer step size and Newton
-  std::size_t roots = 0;                                   // act when they rise through zero
-  std::array<double, kMaxCoreStates> floor{};              // tolerance of a state: relative * (|y| + floor)
+  std::size_t core_states = 0;                 // the first of them; only they steer step size and Newton
+  std::size_t roots = 0;                       // act when they rise through zero
+  std::array<double, kMaxCoreStates> floor{};  // tolerance of a state: relative * (|y| + floor)
   const void* model = nullptr;
   int (*right_hand_side)(const void* model, double t, const double* y, double* dy) = nullptr;
   int (*comparators)(const void* model, double t, const double* y, double* g) = nullptr;
 };
 
 struct SolverStop {
-  double t = 0;                                            // t_end, or the instant of the first root or of the failure
-  std::uint32_t roots = 0;                                 // bit i: root i rose through zero at t
-  bool failed = false;                                     // gave up at t; states() are those of t
+  double t = 0;             // t_end, or the instant of the first root or of the failure
+  std::uint32_t roots = 0;  // bit i: root i rose through zero at t
+  bool failed = false;      // gave up at t; states() are those of t
 };
 
 class Solver {
@@ -47,7 +47,7 @@ class Solver {
   virtual std::uint64_t rhs_calls() const = 0;
 };
 
-inline constexpr double kShortestAdvance = 5e-10;          // s; half of the integer clock's step
+inline constexpr double kShortestAdvance = 5e-10;  // s; half of the integer clock's step
 
 std::unique_ptr<Solver> make_solver(const OdeSystem& system, const SolverSettings& settings);
 

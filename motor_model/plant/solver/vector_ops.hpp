@@ -2,7 +2,8 @@
 // more than half of the run time (docs/decisions/0001-plant-solver.md). Clones inherit the operations.
 #pragma once
 
-struct _generic_N_Vector;  // SUNDIALS' N_Vector, so that its headers stay out of this one
+// SUNDIALS' N_Vector, so that its headers stay out of this one.
+struct _generic_N_Vector;  // NOLINT(bugprone-reserved-identifier): its name there
 
 namespace vinv::plant {
 

@@ -98,9 +98,10 @@ TEST_P(PowerBalance, MeasuredPowersAgreeInSteadyState) {
   EXPECT_NEAR(plant.stored_energy_j(), stored, 1e-2);
   EXPECT_NEAR(plant.energy().from_mains_j - before.from_mains_j, m.input_power_w, 1e-4 * m.input_power_w);
   EXPECT_NEAR(m.shaft_power_w, 10 * m.speed_rpm * std::numbers::pi / 30, 1e-3 * m.shaft_power_w);
-  EXPECT_NEAR(m.output_power_w, std::sqrt(3) * m.output_voltage_v_rms * m.active_current_a_rms, 1e-9 * m.output_power_w);
-  const double copper = plant.energy().stator_copper_j - before.stator_copper_j + plant.energy().rotor_copper_j -
-                        before.rotor_copper_j;
+  EXPECT_NEAR(m.output_power_w, std::sqrt(3) * m.output_voltage_v_rms * m.active_current_a_rms,
+              1e-9 * m.output_power_w);
+  const double copper =
+      plant.energy().stator_copper_j - before.stator_copper_j + plant.energy().rotor_copper_j - before.rotor_copper_j;
   const double friction = plant.energy().friction_j - before.friction_j;
   EXPECT_NEAR(m.output_power_w, m.shaft_power_w + copper + friction, 1e-3 * m.output_power_w);
 }

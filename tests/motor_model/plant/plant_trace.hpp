@@ -31,7 +31,7 @@ class PlantTrace {
   PlantTrace(const PlantTrace&) = delete;
   PlantTrace& operator=(const PlantTrace&) = delete;
 
-  PlantModel model;                      // load, link, locked shaft: set before start(), change between run_to() and jump()
+  PlantModel model;  // load, link, locked shaft: set before start(), change between run_to() and jump()
 
   void use_link(const LinkSettings& link);
   // Link voltage whose first upward crossing is looked for from now on.
@@ -40,7 +40,8 @@ class PlantTrace {
   void start(const FluxPair& psi = {}, double omega_mech = 0, double link_v = 1e6);
   // An input has a kink or step here: the solver starts anew.
   void jump() { solver_->restart(t_); }
-  // Integrates to t; a shaft that comes to rest under dry load is held. With a watched level: stops there, returns true.
+  // Integrates to t; a shaft that comes to rest under dry load is held. With a watched level: stops there, returns
+  // true.
   bool run_to(double t);
   // The frame turns by this angle against the fluxes (a voltage vector that jumps in direction).
   void turn_frame(double angle_rad);

@@ -1,4 +1,4 @@
-// PowerPlant as its owner uses it: inputs, then 1 ms ticks. Charging, comparators, chopper, shaft, mains, temperatures.
+// PowerPlant as its owner uses it: inputs, then 1 ms ticks. Charging, mains, chopper, comparators, inputs, temperatures.
 #include "motor_model/plant/power_plant.hpp"
 
 #include <gtest/gtest.h>
@@ -123,8 +123,7 @@ TEST(DcLink, SagWithoutTripClampsTheOutputAndRecoveryRecharges) {
   const double speed = plant.measurements().speed_rpm;
   plant.set_mains({340, {true, true, true}});  // 15 %
   EXPECT_EQ(run(plant, 1s).count, 0u);
-  EXPECT_NEAR(plant.measurements().output_voltage_v_rms,
-              plant.measurements().dc_link_v / std::numbers::sqrt2, 1e-6);
+  EXPECT_NEAR(plant.measurements().output_voltage_v_rms, plant.measurements().dc_link_v / std::numbers::sqrt2, 1e-6);
   EXPECT_LT(plant.measurements().dc_link_v, 481);
   EXPECT_LT(plant.measurements().speed_rpm, speed - 10);
   const double input_before = plant.measurements().input_power_w;
@@ -324,120 +323,6 @@ std::string solver_name(const testing::TestParamInfo<SolverChoice>& parameter) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, Comparator,
                          testing::Values(SolverChoice::kErk, SolverChoice::kCvodeBdf, SolverChoice::kRk4), solver_name);
-
-TEST(Shaft, DryLoadHoldsTheShaftUntilTheMotorIsStronger) {
-  PlantConfig config = lossless_2k2();
-  config.load.constant_nm = 10;
-  PowerPlant plant(config);
-  charge(plant);
-  plant.set_stage(vf(0.5));
-  run(plant, 500ms);
-  const auto& m = plant.measurements();
-  EXPECT_EQ(m.speed_rpm, 0);
-  EXPECT_GT(m.torque_nm, 0.5);
-  EXPECT_LT(m.torque_nm, 10);
-  EXPECT_NEAR(m.load_torque_nm, m.torque_nm, 1e-9);
-  ramp(plant, 0.5, 10, 500ms);
-  run(plant, 1s);
-  EXPECT_GT(m.speed_rpm, 150);
-  EXPECT_NEAR(m.torque_nm, 10, 0.1);
-  // Coasting, 10 Nm bring it to rest in J omega / T, and there it stays: no chatter, no restarts.
-  const double rest_s = 0.015 * m.speed_rpm / kRpm / 10;
-  plant.set_stage({});
-  plant.advance(seconds_to_duration(rest_s * 0.98));
-  EXPECT_GT(m.speed_rpm, 0);
-  plant.advance(seconds_to_duration(rest_s * 0.04));
-  EXPECT_EQ(m.speed_rpm, 0);
-  const auto restarts = plant.reinitialisations();
-  run(plant, 1s);
-  EXPECT_EQ(m.speed_rpm, 0);
-  EXPECT_EQ(plant.reinitialisations(), restarts);
-}
-
-TEST(Shaft, DryLoadOpposesReverseRotationToo) {
-  PlantConfig config = lossless_2k2();
-  config.load.constant_nm = 5;
-  PowerPlant plant(config);
-  charge(plant);
-  ramp(plant, 0, -20, 2s);
-  run(plant, 1s);
-  EXPECT_LT(plant.measurements().speed_rpm, -500);
-  EXPECT_NEAR(plant.measurements().torque_nm, -5, 0.05);
-  EXPECT_NEAR(plant.measurements().load_torque_nm, -5, 1e-9);
-  // Through standstill to the other side.
-  ramp(plant, -20, 20, 4s);
-  run(plant, 1s);
-  EXPECT_GT(plant.measurements().speed_rpm, 500);
-  EXPECT_NEAR(plant.measurements().load_torque_nm, 5, 1e-9);
-}
-
-TEST(Shaft, HoistFallsBackWhenTheGatesAreShut) {
-  PlantConfig config = lossless_2k2();
-  config.load.hoist_nm = 3;
-  PowerPlant plant(config);
-  charge(plant);
-  const double fallen = plant.measurements().speed_rpm / kRpm;
-  EXPECT_NEAR(fallen, -3 / 0.015 * 1.0, 0.01);  // for one second
-}
-
-TEST(Shaft, LockedShaftStandsAndTurnsAgainWhenFreed) {
-  PowerPlant plant(real_2k2());
-  charge(plant);
-  ramp(plant, 0, 20, 1s);
-  const double moving = 0.5 * 0.015 * std::pow(plant.measurements().speed_rpm / kRpm, 2);
-  const double before = plant.energy().load_j;
-  plant.set_shaft_locked(true);
-  run(plant, 500ms);
-  EXPECT_TRUE(plant.shaft_locked());
-  EXPECT_EQ(plant.measurements().speed_rpm, 0);
-  EXPECT_GT(plant.measurements().torque_nm, 10);
-  EXPECT_NEAR(plant.energy().load_j - before, moving, 1e-6);
-  plant.set_shaft_locked(false);
-  run(plant, 2s);
-  EXPECT_NEAR(plant.measurements().speed_rpm, 600, 10);
-}
-
-TEST(Shaft, LoadTableIsFollowedWithStepsAndHeldAtItsEnd) {
-  PlantConfig config = lossless_2k2();
-  config.load.table = {{4, 0}, {5, 10}, {6, 10}, {6, 2}, {7, 2}};
-  PowerPlant plant(config);
-  charge(plant);
-  ramp(plant, 0, 50, 2s);
-  const auto at = [&](Duration t) {
-    plant.advance(t - plant.time());
-    return plant.measurements().load_torque_nm;
-  };
-  EXPECT_NEAR(at(3900ms), 0, 1e-9);
-  EXPECT_NEAR(at(4500ms), 5, 1e-9);
-  EXPECT_NEAR(at(5500ms), 10, 1e-9);
-  const auto restarts = plant.reinitialisations();
-  EXPECT_NEAR(at(5999ms), 10, 1e-9);
-  EXPECT_NEAR(at(6001ms), 2, 1e-9);
-  EXPECT_EQ(plant.reinitialisations(), restarts + 1);
-  EXPECT_NEAR(at(20s), 2, 1e-9);
-  EXPECT_NEAR(plant.measurements().torque_nm, 2, 0.01);
-}
-
-TEST(Shaft, OverhaulingTableDrivesTheMotorAndRegenerates) {
-  PlantConfig config = real_2k2();
-  config.dc_link.brake_resistance_ohm = 100;
-  PowerPlant plant(config);
-  charge(plant);
-  ramp(plant, 0, 40, 2s);
-  LoadSettings load = config.load;
-  load.table = {{3.5, 0}, {4, -12}};
-  plant.set_load(load);
-  StageInput stage = vf(40);
-  stage.chopper_enabled = true;
-  stage.chopper_on_v = 740;
-  stage.chopper_off_v = 725;
-  plant.set_stage(stage);
-  run(plant, 3s);
-  EXPECT_GT(plant.measurements().speed_rpm, 1200);
-  EXPECT_LT(plant.measurements().active_current_a_rms, 0);
-  EXPECT_LT(plant.measurements().output_power_w, 0);
-  EXPECT_GT(plant.energy().brake_j, 100);
-}
 
 TEST(Inputs, RampsDoNotRestartTheSolverAndJumpsDo) {
   PowerPlant plant(real_2k2());

@@ -56,7 +56,8 @@ ReferenceTable::ReferenceTable(const std::string& file) {
     if (columns_.empty()) {
       for (std::size_t n = 0; n < cells.size(); ++n) columns_[cells[n]] = n;
     } else {
-      if (cells.size() != columns_.size()) throw std::runtime_error(file + ": wrong number of cells: " + line);
+      if (cells.size() != columns_.size())
+        throw std::runtime_error(std::string(file).append(": wrong number of cells: ").append(line));
       cells_.push_back(std::move(cells));
     }
   }

@@ -1,6 +1,6 @@
 // Steady state of every shipped machine against the classical equivalent circuit of an independent code
-// (steady_state.csv, torque_speed_curves.csv), in closed form and, for a choice of rows, integrated in time; and against
-// what manufacturers and other simulators printed (published_results.csv).
+// (steady_state.csv, torque_speed_curves.csv), in closed form and, for a choice of rows, integrated in time; and
+// against what manufacturers and other simulators printed (published_results.csv).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -105,15 +105,17 @@ TEST(SteadyState, EveryMachineSettlesAtItsRatedPointInTime) {
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const std::string name = table.text(row, "machine");
     const Rated m(name);
-    PlantTrace trace(name, m.parameters.inertia_kg_m2,
-                     [&](double) { return TraceInput{m.voltage, m.parameters.rated_frequency_hz}; });
+    PlantTrace trace(name, m.parameters.inertia_kg_m2, [&](double) {
+      return TraceInput{m.voltage, m.parameters.rated_frequency_hz};
+    });
     const SteadyPoint no_load = m.at(0);
     trace.model.load.hoist_nm = table.number(row, "rated_torque_Nm");
     trace.start(no_load.psi, m.omega / m.parameters.pole_pairs);
     trace.run_to(20 * m.machine.L_r / m.machine.R_r + 2);
     expect_near_part(trace.omega() * kRpm, table.number(row, "speed_at_rated_rpm"), 1e-3, name);
     expect_near_part(trace.now().torque_nm, table.number(row, "rated_torque_Nm"), 1e-3, name);
-    expect_near_part(trace.current_peak() / std::numbers::sqrt2, table.number(row, "current_at_rated_A_rms"), 1e-3, name);
+    expect_near_part(trace.current_peak() / std::numbers::sqrt2, table.number(row, "current_at_rated_A_rms"), 1e-3,
+                     name);
   }
 }
 
@@ -125,15 +127,17 @@ TEST(SteadyState, HeldSpeedSettlesOnTheCurveInTime) {
     const Rated m(name);
     const double torque = table.number(row, "torque_Nm");
     if (std::abs(torque) < 1e-6) continue;  // slip 0: no torque to compare by its own size
-    PlantTrace trace(name, m.parameters.inertia_kg_m2,
-                     [&](double) { return TraceInput{m.voltage, m.parameters.rated_frequency_hz}; });
+    PlantTrace trace(name, m.parameters.inertia_kg_m2, [&](double) {
+      return TraceInput{m.voltage, m.parameters.rated_frequency_hz};
+    });
     trace.model.load.locked = true;
     trace.start({}, table.number(row, "speed_rpm") / kRpm);
     // Both flux transients have decayed to well below the tolerance.
     trace.run_to(20 * std::max(m.machine.L_r / m.machine.R_r, m.machine.L_s / m.machine.R_s));
     const std::string where = name + " at slip " + table.text(row, "slip");
     expect_near_part(trace.now().torque_nm, torque, 1e-3, where);
-    expect_near_part(trace.current_peak() / std::numbers::sqrt2, table.number(row, "stator_current_A_rms"), 1e-3, where);
+    expect_near_part(trace.current_peak() / std::numbers::sqrt2, table.number(row, "stator_current_A_rms"), 1e-3,
+                     where);
   }
 }
 
@@ -143,10 +147,10 @@ double shaft_power_of(const std::string& condition) {
   return watts;
 }
 
-// The 18.5 kW motor measured over its load range. Its friction, 180 W at rated speed, loads the shaft as well. Compared:
-// speed of every row, current of every loaded row. Left out: the no-load current (11 A against 10.2 A; the published
-// magnetising inductance is that of the loaded, less saturated motor and the model is linear), power factor and
-// efficiency (they contain the iron loss, which the plant draws from the link and not through the motor terminals).
+// The 18.5 kW motor measured over its load range. Its friction, 180 W at rated speed, loads the shaft as well.
+// Compared: speed of every row, current of every loaded row. Left out: the no-load current (11 A against 10.2 A; the
+// published magnetising inductance is that of the loaded, less saturated motor and the model is linear), power factor
+// and efficiency (they contain the iron loss, which the plant draws from the link and not through the motor terminals).
 TEST(PublishedResults, MeasuredMotorIsMetInSpeedAndCurrent) {
   const ReferenceTable table("published_results.csv");
   const Rated m("modelica_imc_18k5");
@@ -189,7 +193,8 @@ TEST(PublishedResults, LibraryDefaultMachineHasItsPrintedRating) {
   expect_near_part(point.current_a_rms, printed("current"), 0.06, "current");
   expect_near_part(point.torque_nm * m.rpm(point.slip) / kRpm, printed("shaft_power"), 0.06, "shaft power");
   expect_near_part(point.power_factor, printed("power_factor"), 0.06, "power factor");
-  expect_near_part(point.torque_nm * m.rpm(point.slip) / kRpm / point.input_power_w, printed("efficiency"), 0.06, "efficiency");
+  expect_near_part(point.torque_nm * m.rpm(point.slip) / kRpm / point.input_power_w, printed("efficiency"), 0.06,
+                   "efficiency");
 }
 
 // Free acceleration of the four Krause machines, peaks sampled every 0.25 ms and times as printed there.
@@ -197,8 +202,9 @@ TEST(PublishedResults, FreeAccelerationHasThePrintedPeaksAndTimes) {
   const ReferenceTable table("published_results.csv");
   for (const std::string name : {"krause_3hp", "krause_50hp", "krause_500hp", "krause_2250hp"}) {
     const Rated m(name);
-    PlantTrace trace(name, m.parameters.inertia_kg_m2,
-                     [&](double) { return TraceInput{m.voltage, m.parameters.rated_frequency_hz}; });
+    PlantTrace trace(name, m.parameters.inertia_kg_m2, [&](double) {
+      return TraceInput{m.voltage, m.parameters.rated_frequency_hz};
+    });
     trace.start();
     double torque = 0, current = 0, speed = 0, t95 = 0, t99 = 0;
     for (int n = 1; n <= 14'000; ++n) {

@@ -62,14 +62,24 @@ class Trajectory : public testing::TestWithParam<SolverChoice> {
 
 TEST_P(Trajectory, DirectOnLine3HpFollowsA1) {
   const ReferenceTable data("a1_dol_krause3hp_noload.csv.gz");
-  PlantTrace trace("krause_3hp", 0.089, [](double) { return TraceInput{179.6292478, 60}; }, solver());
+  PlantTrace trace(
+      "krause_3hp", 0.089,
+      [](double) {
+        return TraceInput{179.6292478, 60};
+      },
+      solver());
   trace.start();
   expect_within(follow(trace, data, kNothing, data.rows()), data, kOfPeak);
 }
 
 TEST_P(Trajectory, DirectOnLine50HpFollowsA2) {
   const ReferenceTable data("a2_dol_krause50hp_noload.csv.gz");
-  PlantTrace trace("krause_50hp", 1.662, [](double) { return TraceInput{375.5884272, 60}; }, solver());
+  PlantTrace trace(
+      "krause_50hp", 1.662,
+      [](double) {
+        return TraceInput{375.5884272, 60};
+      },
+      solver());
   trace.start();
   expect_within(follow(trace, data, kNothing, data.rows()), data, kOfPeak);
 }
@@ -83,12 +93,23 @@ TEST_P(Trajectory, RampWithFanLoadFollowsB) {
   PlantTrace trace("motulator_2k2", 0.015, input, solver());
   trace.model.load.quadratic_nm_s2 = 0.000591715712471;
   trace.start();
-  expect_within(follow(trace, data, [&](double t) { if (t == 5) trace.jump(); }, data.rows()), data, kOfPeak);
+  expect_within(follow(
+                    trace, data,
+                    [&](double t) {
+                      if (t == 5) trace.jump();
+                    },
+                    data.rows()),
+                data, kOfPeak);
 }
 
 TEST_P(Trajectory, LoadStepFollowsC) {
   const ReferenceTable data("c_load_step_2k2.csv.gz");
-  PlantTrace trace("motulator_2k2", 0.015, [](double) { return TraceInput{kUn, 50}; }, solver());
+  PlantTrace trace(
+      "motulator_2k2", 0.015,
+      [](double) {
+        return TraceInput{kUn, 50};
+      },
+      solver());
   trace.start({0.0498594892088, -1.03719892507, 0.0476747903593, -0.991751863048}, 157.079632679);
   const auto load = [&](double t) {
     if (t == 0.1) trace.model.load.hoist_nm = 14.6;
@@ -105,7 +126,8 @@ TraceInput ramp_down(double t, double ramp_s) {
 
 TEST_P(Trajectory, DecelerationIntoTheLinkFollowsD) {
   const ReferenceTable data("d_decel_overvoltage_2k2.csv.gz");
-  PlantTrace trace("motulator_2k2", 0.15, [](double t) { return ramp_down(t - 0.1, 1); }, solver());
+  PlantTrace trace(
+      "motulator_2k2", 0.15, [](double t) { return ramp_down(t - 0.1, 1); }, solver());
   trace.use_link({0.000235, 2, 565.685424949238});
   trace.start({0.0498284404193, -1.03655303455, 0.0476451020381, -0.991134273592}, 157.079632679, 565.333158049);
   const auto link = data.numbers("Vdc_V");
@@ -120,7 +142,8 @@ TEST_P(Trajectory, DecelerationIntoTheLinkFollowsD) {
 }
 
 TEST_P(Trajectory, LinkLevelsOfDAreReachedOnTime) {
-  PlantTrace trace("motulator_2k2", 0.15, [](double t) { return ramp_down(t - 0.1, 1); }, solver());
+  PlantTrace trace(
+      "motulator_2k2", 0.15, [](double t) { return ramp_down(t - 0.1, 1); }, solver());
   trace.use_link({0.000235, 2, 565.685424949238});
   trace.start({0.0498284404193, -1.03655303455, 0.0476451020381, -0.991134273592}, 157.079632679, 565.333158049);
   trace.run_to(0.1);
@@ -140,7 +163,12 @@ TEST_P(Trajectory, LinkLevelsOfDAreReachedOnTime) {
 
 TEST_P(Trajectory, LockedRotorOnLineFollowsE1) {
   const ReferenceTable data("e1_locked_rotor_dol_2k2.csv.gz");
-  PlantTrace trace("motulator_2k2", 0.015, [](double) { return TraceInput{kUn, 50}; }, solver());
+  PlantTrace trace(
+      "motulator_2k2", 0.015,
+      [](double) {
+        return TraceInput{kUn, 50};
+      },
+      solver());
   trace.model.load.locked = true;
   trace.start();
   expect_within(follow(trace, data, kNothing, data.rows()), data, kOfPeak);
@@ -155,7 +183,13 @@ TEST_P(Trajectory, LockedRotorAtFiveHertzFollowsE2) {
   PlantTrace trace("motulator_2k2", 0.015, input, solver());
   trace.model.load.locked = true;
   trace.start();
-  expect_within(follow(trace, data, [&](double t) { if (t == 0.5) trace.jump(); }, data.rows()), data, kOfPeak);
+  expect_within(follow(
+                    trace, data,
+                    [&](double t) {
+                      if (t == 0.5) trace.jump();
+                    },
+                    data.rows()),
+                data, kOfPeak);
 }
 
 // Voltage held for 250 us at a time in the stator frame, from another simulator. Here the frame stands still with its d
@@ -166,7 +200,12 @@ TEST_P(Trajectory, VoltageReplayFollowsX0) {
   const auto omega = data.numbers("omega_rad_s"), torque = data.numbers("Te_Nm");
   const auto i_a = data.numbers("is_alpha_A"), i_b = data.numbers("is_beta_A");
   double voltage = 0, angle = 0;
-  PlantTrace trace("motulator_2k2", 0.015, [&](double) { return TraceInput{voltage, 0}; }, solver());
+  PlantTrace trace(
+      "motulator_2k2", 0.015,
+      [&](double) {
+        return TraceInput{voltage, 0};
+      },
+      solver());
   trace.start();
   double worst_speed = 0, worst_torque = 0, worst_current = 0, peak_current = 0;
   for (std::size_t row = 0; row < data.rows(); ++row) {

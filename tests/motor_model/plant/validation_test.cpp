@@ -76,7 +76,8 @@ TEST(Validation, MachinesThatNobodyBuildsAreRefusedWithTheReason) {
       {"no power", [](M& m) { m.rated_power_w = 0; }, "rated_power_w is 0 W", "between"},
       {"kilowatts", [](M& m) { m.rated_power_w = 22000; }, "rated_power_w is 22000 W", "below 3811 W"},
       {"no voltage", [](M& m) { m.rated_voltage_v_rms = 0; }, "rated_voltage_v_rms is 0 V", "between"},
-      {"delta values", [](M& m) { m.rated_voltage_v_rms = 690; }, "no-load current is 5.17 A", "below rated_current_a_rms 5 A"},
+      {"delta values", [](M& m) { m.rated_voltage_v_rms = 690; }, "no-load current is 5.17 A",
+       "below rated_current_a_rms 5 A"},
       {"no frequency", [](M& m) { m.rated_frequency_hz = 0; }, "rated_frequency_hz is 0 Hz", "between"},
       {"no current", [](M& m) { m.rated_current_a_rms = 0; }, "rated_current_a_rms is 0 A", "between"},
       {"synchronous speed", [](M& m) { m.rated_speed_rpm = 1500; }, "rated_speed_rpm is 1500 rpm", "just below 1500"},
@@ -95,10 +96,26 @@ TEST(Validation, LoadsThatMeanNothingAreRefusedWithTheReason) {
       {"negative linear", [](L& l) { l.linear_nm_s = -1; }, "linear_nm_s is -1", "between 0"},
       {"negative quadratic", [](L& l) { l.quadratic_nm_s2 = -1; }, "quadratic_nm_s2 is -1", "between 0"},
       {"infinite hoist", [](L& l) { l.hoist_nm = INFINITY; }, "hoist_nm is inf", "between"},
-      {"table before start", [](L& l) { l.table = {{-1, 0}}; }, "table point 1: time_s is -1 s", "between 0"},
-      {"table backwards", [](L& l) { l.table = {{2, 0}, {1, 0}}; }, "table point 2: time_s is 1 s", "between 2"},
-      {"table with three at once", [](L& l) { l.table = {{1, 0}, {1, 1}, {1, 2}}; }, "points 1 to 3", "two points"},
-      {"table without torque", [](L& l) { l.table = {{1, NAN}}; }, "torque_nm is nan", "between"},
+      {"table before start",
+       [](L& l) {
+         l.table = {{-1, 0}};
+       },
+       "table point 1: time_s is -1 s", "between 0"},
+      {"table backwards",
+       [](L& l) {
+         l.table = {{2, 0}, {1, 0}};
+       },
+       "table point 2: time_s is 1 s", "between 2"},
+      {"table with three at once",
+       [](L& l) {
+         l.table = {{1, 0}, {1, 1}, {1, 2}};
+       },
+       "points 1 to 3", "two points"},
+      {"table without torque",
+       [](L& l) {
+         l.table = {{1, NAN}};
+       },
+       "torque_nm is nan", "between"},
   };
   L good;
   good.table = {{0, 1}, {1, 1}, {1, 5}, {2, -5}};
@@ -120,7 +137,11 @@ TEST(Validation, PlantsThatCannotWorkAreRefusedWithTheReason) {
       {"no source", [](C& c) { c.dc_link.source_resistance_ohm = 0; }, "source_resistance_ohm is 0", "0.001"},
       {"relay", [](C& c) { c.dc_link.bypass_opens_fraction = 0.9; }, "bypass_opens_fraction is 0.9", "below"},
       {"resistor", [](C& c) { c.dc_link.brake_resistance_ohm = -1; }, "brake_resistance_ohm", "0 for none"},
-      {"levels", [](C& c) { c.comparators = {0, 300, 345, 380}; }, "under_voltage_v 345 V", "below over_voltage_v 300"},
+      {"levels",
+       [](C& c) {
+         c.comparators = {0, 300, 345, 380};
+       },
+       "under_voltage_v 345 V", "below over_voltage_v 300"},
       {"mains", [](C& c) { c.mains.voltage_v_rms = 4000; }, "voltage_v_rms is 4000 V", "800 V"},
       {"ambient", [](C& c) { c.ambient_c = 1000; }, "ambient_c is 1000", "120"},
       {"thermal", [](C& c) { c.thermal.winding_time_constant_s = 0; }, "winding_time_constant_s is 0", "between"},
