@@ -12,6 +12,7 @@ class FastCurrentLimit {
   // raise its current.
   double step(double dt_s, const DriveSettings& settings, double current_peak_a, double active_current_a_rms);
   void clear();
+  double factor() const { return factor_; }
 
  private:
   double factor_ = 1;
