@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "motor_model/drive/fast_current_limit.hpp"
 
 namespace vinv::drive {
 namespace {
@@ -12,6 +15,7 @@ constexpr double kStillHeld = 0.10;         // ... or by this part while the ram
 constexpr double kReferenceEnd_hz = 400;    // where the compensation formula is anchored
 constexpr double kLowestLevel_percent = 1;  // a reduced level is not "off"
 constexpr double kPulledDownBand_hz = 0.05;
+constexpr double kBelowFastLimit = 0.95;
 constexpr double kLeastFactor = 0.2;  // of the fast limit that is believed
 
 // The controller. Times: how fast the slip of the level is taken away or given. Short against the rotor's time
@@ -40,6 +44,12 @@ double torque_sign(const StallPrevention::Measurement& m, double stator_ohm) {
   const double resistive_a =
       m.phase_voltage_v_rms > 0 ? stator_ohm * m.current_a_rms * m.current_a_rms / m.phase_voltage_v_rms : 0;
   return std::clamp((m.active_current_a_rms - resistive_a) / (kTorqueBand * m.current_a_rms), -1.0, 1.0);
+}
+
+// A level beyond the fast limit cannot be reached: the current would stand at the limit, with ever less voltage.
+double reachable(const DriveSettings& s, double level_a_rms) {
+  const double fast_a_rms = FastCurrentLimit::level_a_peak(s) / std::numbers::sqrt2;
+  return fast_a_rms > 0 ? std::min(level_a_rms, kBelowFastLimit * fast_a_rms) : level_a_rms;
 }
 
 }  // namespace
@@ -106,7 +116,8 @@ StallPrevention::Decision StallPrevention::step(double dt_s, const DriveSettings
                                                 const Situation& situation) {
   Decision d;
   const Motion motion = situation.motion;
-  d.level_a_rms = stall_level_percent(settings, situation.frequency_hz) / 100 * settings.rated_current_a_rms;
+  d.level_a_rms =
+      reachable(settings, stall_level_percent(settings, situation.frequency_hz) / 100 * settings.rated_current_a_rms);
   if (motion != motion_) fresh_ = true;
   motion_ = motion;
 

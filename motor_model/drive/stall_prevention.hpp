@@ -49,7 +49,7 @@ class StallPrevention {
     double most_hz_s = std::numeric_limits<double>::infinity();
     bool active = false;     // OL
     bool trip = false;       // stall prevention stop
-    double level_a_rms = 0;  // at this frequency; 0: off
+    double level_a_rms = 0;  // at this frequency, not above what the fast current limit lets through; 0: off
   };
   // While the ramp runs.
   Decision step(double dt_s, const DriveSettings& settings, const Situation& situation);
