@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "motor_model/drive/frequency_limits.hpp"
 #include "motor_model/drive/vf_curve.hpp"
@@ -9,8 +10,6 @@
 namespace vinv::drive {
 namespace {
 
-// Stall prevention never moves the frequency faster than this ramp time would, also where the set time is 0.
-constexpr double kFastestStallRamp_s = 0.1;
 // Lag of the current in the stator resistance compensation: keeps its positive feedback slow.
 constexpr double kCompensationLag_s = 0.05;
 
@@ -18,6 +17,19 @@ double sign_of(RunDirection direction) { return static_cast<double>(direction); 
 
 RampTimes ramp_times(const DriveSettings& s) {
   return {s.acceleration_s, s.deceleration_s, s.ramp_reference_hz, s.cushion_pattern_base_hz, s.ramp_pattern};
+}
+
+// Stall prevention needs ramps that take time.
+RampTimes watched(RampTimes times, const DriveSettings& s, bool stalled_at_constant) {
+  const double least_s = times.reference_hz / kSteepestWatched_hz_s;
+  const bool on = s.stall_level_percent > 0;
+  if (on && (s.stall_in_acceleration || stalled_at_constant)) {
+    times.acceleration_s = std::max(times.acceleration_s, least_s);
+  }
+  if (on && (s.stall_in_deceleration || s.stall_at_constant)) {
+    times.deceleration_s = std::max(times.deceleration_s, least_s);
+  }
+  return times;
 }
 
 }  // namespace
@@ -104,7 +116,9 @@ const DriveOutputs& DriveCore::tick(Duration period, const DriveSettings& settin
 
   out_.trip.reset();
   link_.observe(settings, sensors);
-  stall_.observe(t.dt_s, sensors.current_a_rms);
+  stall_.observe(t.dt_s, settings,
+                 {sensors.current_a_rms, sensors.active_current_a_rms, out_.stage_voltage_peak_v / std::numbers::sqrt2,
+                  current_limit_.factor()});
   compensation_current_.step(t.dt_s, kCompensationLag_s, sensors.current_a_rms);
   brake_duty_.step(t.dt_s, sensors.chopper_on, settings.chopper_duty_percent);
   const Protections::Situation before{state_, output_on(), out_.output_frequency_hz};
@@ -192,7 +206,13 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
   const DriveSettings& s = t.settings;
   const Motion now = motion(target_hz);  // apart from stall prevention
   const double magnitude = std::abs(ramp_.frequency_hz());
-  const auto stall = stall_.step(t.dt_s, s, {now, magnitude, t.sensors.active_current_a_rms < 0, t.sensors.dc_link_v});
+  const double level_a_rms = stall_level_percent(s, magnitude) / 100 * s.rated_current_a_rms;
+  const RampTimes times = shortest_.step(t.dt_s, s, watched(ramp_times(s), s, stalled_at_constant_), now,
+                                         stall_.filtered_current_a_rms(), t.sensors.dc_link_v, level_a_rms);
+  const bool arrived = ramp_.motion_towards(target_hz) == Motion::kConstant;
+  const auto stall = stall_.step(t.dt_s, s,
+                                 {now, magnitude, arrived ? 0 : acceleration_rate_hz_s(times),
+                                  deceleration_rate_hz_s(times), t.sensors.dc_link_v});
   overload_ = stall.active;
   if (stall.trip) {
     const RunState state = now == Motion::kAccelerating ? RunState::kAccelerating
@@ -206,21 +226,12 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
           out_.output_frequency_hz});
     return;
   }
-  RampTimes times = shortest_.step(t.dt_s, s, ramp_times(s), now, stall_.filtered_current_a_rms(), t.sensors.dc_link_v,
-                                   stall.level_a_rms);
-  if (stalled_at_constant_) times.acceleration_s = std::max(times.acceleration_s, kFastestStallRamp_s);
-
-  if (now == Motion::kConstant && stall.action != RampAction::kFollow) stalled_at_constant_ = true;
-  // While a restart catches the motor the frequency stays where the motor is.
-  if (stall.action == RampAction::kLower) {
-    RampTimes lowering = times;
-    lowering.acceleration_s = std::max(lowering.acceleration_s, kFastestStallRamp_s);
-    lowering.deceleration_s = std::max(lowering.deceleration_s, kFastestStallRamp_s);
-    const double rate =
-        now == Motion::kAccelerating ? acceleration_rate_hz_s(lowering) : deceleration_rate_hz_s(lowering);
-    ramp_.lower(rate * t.dt_s, s.stall_trip_frequency_hz);
-  } else if (stall.action == RampAction::kFollow && !(cushion_.rising() && now == Motion::kAccelerating)) {
-    ramp_.step(t.dt_s, target_hz, times);
+  if (now == Motion::kConstant && stall.most_hz_s < 0) stalled_at_constant_ = true;
+  if (stall.most_hz_s < 0) {
+    ramp_.lower(-stall.most_hz_s * t.dt_s, s.stall_trip_frequency_hz);
+  } else if (!(cushion_.rising() && now == Motion::kAccelerating)) {
+    // While a restart catches the motor the frequency stays where the motor is.
+    ramp_.step_at_most(t.dt_s, target_hz, times, stall.most_hz_s);
   }
 
   const double f = ramp_.frequency_hz();

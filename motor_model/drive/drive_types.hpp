@@ -31,7 +31,7 @@ struct DriveSettings {
   double min_frequency_hz = 0;
   double start_frequency_hz = 0.5;
   std::array<FrequencyBand, 3> jump_bands{};
-  // ramps; 0 s is an immediate change
+  // ramps; 0 s is an immediate change where stall prevention does not watch it
   double acceleration_s = 5;
   double deceleration_s = 5;
   double ramp_reference_hz = 50;        // the times are from 0 to this frequency
@@ -43,6 +43,9 @@ struct DriveSettings {
   double torque_boost_percent = 4;  // of base voltage at 0 Hz
   LoadPattern load_pattern = LoadPattern::kConstantTorque;
   double stator_resistance_compensation_ohm = 0;  // flux vector control: adds R * I to the voltage; 0: off
+  // the motor as the drive takes it to be: how hard stall prevention acts, and how it tells driving from braking
+  double motor_slip_hz = 2;     // at the motor's rated current
+  double motor_stator_ohm = 0;  // per phase
   // slip compensation
   double rated_slip_hz = 0;              // 0: off
   double motor_rated_current_a_rms = 0;  // for slip compensation and electronic thermal; 0: rated_current

@@ -18,10 +18,14 @@ void FastCurrentLimit::clear() {
   last_peak_a_ = 0;
 }
 
+double FastCurrentLimit::level_a_peak(const DriveSettings& settings) {
+  return settings.fast_current_limit ? kBelowTrip * over_current_level_a_peak(settings) : 0;
+}
+
 double FastCurrentLimit::step(double dt_s, const DriveSettings& settings, double current_peak_a,
                               double active_current_a_rms) {
-  const double limit = kBelowTrip * over_current_level_a_peak(settings);
-  if (!settings.fast_current_limit || limit <= 0) {
+  const double limit = level_a_peak(settings);
+  if (limit <= 0) {
     clear();
     return 1;
   }

@@ -12,6 +12,9 @@ class FastCurrentLimit {
   // raise its current.
   double step(double dt_s, const DriveSettings& settings, double current_peak_a, double active_current_a_rms);
   void clear();
+  // Magnitude of the current vector at which it acts; 0: off.
+  static double level_a_peak(const DriveSettings& settings);
+  double factor() const { return factor_; }
 
  private:
   double factor_ = 1;

@@ -23,10 +23,11 @@ double over_current_level_a_peak(const DriveSettings& settings) {
 
 void Protections::observe(double dt_s, const DriveSettings& settings, const Sensors& sensors,
                           const Situation& situation) {
-  inverter_.step(dt_s, ratio(sensors.current_a_rms, settings.rated_current_a_rms),
+  const double frequency_hz = std::abs(situation.output_frequency_hz);
+  inverter_.step(dt_s, ratio(sensors.current_a_rms, settings.rated_current_a_rms), frequency_hz,
                  settings.inverter_overload_start_percent / 100);
-  motor_.step(dt_s, ratio(sensors.current_a_rms, settings.electronic_thermal_a_rms),
-              std::abs(situation.output_frequency_hz), settings.motor_forced_cooling);
+  motor_.step(dt_s, ratio(sensors.current_a_rms, settings.electronic_thermal_a_rms), frequency_hz,
+              settings.motor_forced_cooling);
 }
 
 std::optional<Trip> Protections::check(double dt_s, const DriveSettings& settings, const DriveCommand& command,

@@ -60,6 +60,18 @@ void RampGenerator::step(double dt_s, double target_hz, const RampTimes& times) 
   }
 }
 
+void RampGenerator::step_at_most(double dt_s, double target_hz, const RampTimes& times, double most_hz_s) {
+  RampGenerator next = *this;
+  next.step(dt_s, target_hz, times);
+  const double change_hz = std::abs(next.frequency_hz_ - frequency_hz_);
+  const double most_hz = std::max(most_hz_s, 0.0) * dt_s;
+  if (change_hz <= most_hz) {
+    *this = next;
+  } else {
+    step(dt_s * most_hz / change_hz, target_hz, times);
+  }
+}
+
 void RampGenerator::step_linear(double dt_s, double target_hz, double rate_hz_s) {
   const double step_hz = rate_hz_s * dt_s;
   const double change_hz = target_hz - frequency_hz_;

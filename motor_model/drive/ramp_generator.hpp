@@ -24,6 +24,8 @@ class RampGenerator {
  public:
   // One tick towards the target. A tick never crosses zero: a reversal takes the tick that arrives at zero extra.
   void step(double dt_s, double target_hz, const RampTimes& times);
+  // The same, but at most this far per second: the way along a curve then takes longer, its shape stays.
+  void step_at_most(double dt_s, double target_hz, const RampTimes& times, double most_hz_s);
   // Lowers the magnitude, not below floor_hz and never upwards.
   void lower(double by_hz, double floor_hz);
   void set(double frequency_hz);

@@ -95,7 +95,7 @@ void PowerPlant::Impl::set_load(const LoadSettings& next) {
   const ShaftMode mode = mode_for(next, config.losses, omega);
   const bool moved = jumps(load_torque(config.load, omega), load_torque(next, omega), rated_torque) ||
                      next.inertia_kg_m2 != config.load.inertia_kg_m2 || !same_table(next, config.load) ||
-                     mode != model.load.mode;
+                     mode != model.load.mode || mode == ShaftMode::kHeld;  // a held shaft may be let go
   config.load = next;
   plant::set_load(model.load, config.load, config.losses, m.inertia_kg_m2);
   model.load.mode = mode;

@@ -97,6 +97,8 @@ void set_voltage(drive::DriveSettings& s, const ParameterStore& p, const Setting
   }
   s.cushion_pattern_base_hz = s.base_frequency_hz;
   s.rated_slip_hz = s.base_frequency_hz * slip_percent / 100;
+  s.motor_slip_hz = s.base_frequency_hz * standard.standard_motor_slip_percent / 100;
+  s.motor_stator_ohm = or_else(p, pr::kMotorR1, standard.standard_motor_r1_ohm);
   s.motor_no_load_current_a_rms = or_else(p, pr::kExcitingCurrent, standard.standard_motor_no_load_a_rms);
   s.motor_rated_current_a_rms = p.value(pr::kThermal) > 0 ? p.value(pr::kThermal) : standard.standard_motor_rated_a_rms;
   s.slip_response_s = p.value(pr::kSlipResponse);

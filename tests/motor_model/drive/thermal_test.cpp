@@ -12,7 +12,7 @@ namespace {
 double seconds_to_trip(InverterOverload overload, double ratio, double start = 1.1, double dt = 0.001) {
   int n = 0;
   while (!overload.tripped() && n < 2'000'000) {
-    overload.step(dt, ratio, start);
+    overload.step(dt, ratio, 50, start);
     ++n;
   }
   return n * dt;
@@ -50,12 +50,24 @@ TEST(InverterOverload, TripTimesFollowTheInverseTimeCurve) {
 
 TEST(InverterOverload, CountsOnlyAboveItsStartLevelAndBackBelow) {
   InverterOverload overload;
-  for (int i = 0; i < 3'000'000; ++i) overload.step(0.001, 1.1, 1.1);
+  for (int i = 0; i < 3'000'000; ++i) overload.step(0.001, 1.1, 50, 1.1);
   EXPECT_EQ(overload.fraction(), 0);
-  for (int i = 0; i < 30'000; ++i) overload.step(0.001, 1.5, 1.1);
+  for (int i = 0; i < 30'000; ++i) overload.step(0.001, 1.5, 50, 1.1);
   EXPECT_NEAR(overload.fraction(), 0.5, 0.001);
-  for (int i = 0; i < 30'000; ++i) overload.step(0.001, 1.0, 1.1);
+  for (int i = 0; i < 30'000; ++i) overload.step(0.001, 1.0, 50, 1.1);
   EXPECT_NEAR(overload.fraction(), 0.25, 0.001);
+}
+
+TEST(InverterOverload, AnOverloadCountsForMoreNearStandstillButRatedCurrentDoesNot) {
+  EXPECT_EQ(InverterOverload::effective_ratio(1.5, 10), 1.5);
+  EXPECT_NEAR(InverterOverload::effective_ratio(1.5, 5), 1.6, 1e-12);
+  EXPECT_NEAR(InverterOverload::effective_ratio(1.5, 0), 1.7, 1e-12);
+  EXPECT_EQ(InverterOverload::effective_ratio(1.0, 0), 1.0);
+  InverterOverload slow;
+  InverterOverload fast;
+  for (int i = 0; i < 10'000; ++i) slow.step(0.001, 1.5, 5, 1.1), fast.step(0.001, 1.5, 50, 1.1);
+  EXPECT_NEAR(fast.fraction(), 10.0 / 60, 1e-6);
+  EXPECT_NEAR(slow.fraction(), 10.0 / InverterOverload::time_to_trip_s(1.6), 1e-6);
 }
 
 TEST(ElectronicThermal, TripTimesFromColdAndHotFollowTheTable) {

@@ -39,6 +39,23 @@ TEST(Shaft, DryLoadHoldsTheShaftUntilTheMotorIsStronger) {
   EXPECT_EQ(plant.reinitialisations(), restarts);
 }
 
+TEST(Shaft, AHeldShaftTurnsWhenItsLoadIsTakenAway) {
+  PlantConfig config = lossless_2k2();
+  config.load.constant_nm = 100;
+  PowerPlant plant(config);
+  charge(plant);
+  ramp(plant, 0.5, 10, 500ms);
+  run(plant, 500ms);
+  const auto& m = plant.measurements();
+  ASSERT_EQ(m.speed_rpm, 0);
+  ASSERT_GT(m.torque_nm, 10);
+  LoadSettings load = config.load;
+  load.constant_nm = 5;
+  plant.set_load(load);
+  run(plant, 500ms);
+  EXPECT_GT(m.speed_rpm, 200);
+}
+
 // The motor's torque swings around what the load can hold: the shaft may move, but never against the motor.
 TEST(Shaft, TorqueNearTheHoldingTorqueNeverTurnsTheShaftBackwards) {
   const auto start = [](PowerPlant& plant) {
