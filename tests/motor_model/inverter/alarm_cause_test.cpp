@@ -1,5 +1,6 @@
-// Alarms of the FR-E500 whose cause is motor, load and mains alone: each one of the over-current and over-voltage alarms
-// in the ramp that names it, stall prevention and inverter overload apart. Levels: families/mitsubishi_e500/models.csv.
+// Alarms of the FR-E500 whose cause is motor, load and mains alone: each one of the over-current and over-voltage
+// alarms in the ramp that names it, stall prevention and inverter overload apart. Levels:
+// families/mitsubishi_e500/models.csv.
 #include "parameter_bench.hpp"
 
 namespace vinv::inverter::test {

@@ -282,8 +282,8 @@ TEST(Cause, AFailedOptionIsE3) {
 }
 
 TEST(Cause, ADisconnectedPanelTripsAsPr75Says) {
-  for (const auto& [pr75, trips] : {std::pair{0, false}, {1, false}, {2, true}, {3, true}, {14, false}, {15, false},
-                                    {16, true}, {17, true}}) {
+  for (const auto& [pr75, trips] :
+       {std::pair{0, false}, {1, false}, {2, true}, {3, true}, {14, false}, {15, false}, {16, true}, {17, true}}) {
     Bench b = running({{"Pr.75", static_cast<double>(pr75)}});
     ASSERT_TRUE(b->inject_fault("pu_disconnected", true).has_value());
     b.run(0.01);

@@ -1,5 +1,5 @@
-// Parameters that act through the option board OI-FR-E5NCO, and the alarm bits that it shows, with a real FR-E500 behind
-// it. OI-FR-E5NCO manual: 5.1 (Pr.345), 8.3 (Pr.347), 8.7 (registers).
+// Parameters that act through the option board OI-FR-E5NCO, and the alarm bits that it shows, with a real FR-E500
+// behind it. OI-FR-E5NCO manual: 5.1 (Pr.345), 8.3 (Pr.347), 8.7 (registers).
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "option_boards/boards/make_board.hpp"
 #include "parameter_bench.hpp"

@@ -41,10 +41,12 @@ inline double seconds_until(Bench& b, const std::function<bool()>& done, double 
   return b.now_s() - from;
 }
 inline double seconds_to_reach(Bench& b, double hz, double within_s = 30) {
-  return seconds_until(b, [&] { return b.output_hz() > hz - 0.005; }, within_s);
+  return seconds_until(
+      b, [&] { return b.output_hz() > hz - 0.005; }, within_s);
 }
 inline double seconds_to_stop(Bench& b, double within_s = 30) {
-  const double seconds = seconds_until(b, [&] { return !b.port().status().running; }, within_s);
+  const double seconds = seconds_until(
+      b, [&] { return !b.port().status().running; }, within_s);
   EXPECT_EQ(b->alarm_name(), "") << b->alarm_cause();
   return seconds;
 }

@@ -109,16 +109,11 @@ TEST(ParameterEffect, AnalogInputsFollowTheirCalibration) {
     double hz;
     double factory_hz;  // at the same input without the settings
   };
-  const Case cases[] = {{{{"Pr.73", 0}}, "2", 2.5, 25, 12.5},
-                        {{{"Pr.38", 80}}, "2", 5, 40, 25},
-                        {{{"Pr.39", 80}}, "4", 12, 40, 25},
-                        {{{"Pr.902.1", 10}}, "2", 5, 30, 25},
-                        {{{"Pr.902.2", 20}}, "2", 6, 25, 30},
-                        {{{"Pr.903.1", 80}}, "2", 5, 40, 25},
-                        {{{"Pr.903.2", 80}}, "2", 4, 25, 20},
-                        {{{"Pr.904.1", 10}}, "4", 12, 30, 25},
-                        {{{"Pr.904.2", 0}}, "4", 8, 20, 12.5},
-                        {{{"Pr.905.1", 80}}, "4", 12, 40, 25},
+  const Case cases[] = {{{{"Pr.73", 0}}, "2", 2.5, 25, 12.5},  {{{"Pr.38", 80}}, "2", 5, 40, 25},
+                        {{{"Pr.39", 80}}, "4", 12, 40, 25},    {{{"Pr.902.1", 10}}, "2", 5, 30, 25},
+                        {{{"Pr.902.2", 20}}, "2", 6, 25, 30},  {{{"Pr.903.1", 80}}, "2", 5, 40, 25},
+                        {{{"Pr.903.2", 80}}, "2", 4, 25, 20},  {{{"Pr.904.1", 10}}, "4", 12, 30, 25},
+                        {{{"Pr.904.2", 0}}, "4", 8, 20, 12.5}, {{{"Pr.905.1", 80}}, "4", 12, 40, 25},
                         {{{"Pr.905.2", 60}}, "4", 12, 50, 25}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.settings.front().first);
@@ -203,11 +198,11 @@ struct PidBench {
 };
 
 TEST(ParameterEffect, Pr128SelectsTheActionOfPidControl) {
-  EXPECT_NEAR(PidBench({}, 60, 50).hz_after(0.2), 5, 0.05);                 // 10 % of 50 Hz
-  EXPECT_NEAR(PidBench({}, 40, 50).hz_after(0.2), 0, 0.05);                 // reverse action: below is wanted
-  EXPECT_NEAR(PidBench({{"Pr.128", 21}}, 40, 50).hz_after(0.2), 5, 0.05);   // forward action
+  EXPECT_NEAR(PidBench({}, 60, 50).hz_after(0.2), 5, 0.05);                // 10 % of 50 Hz
+  EXPECT_NEAR(PidBench({}, 40, 50).hz_after(0.2), 0, 0.05);                // reverse action: below is wanted
+  EXPECT_NEAR(PidBench({{"Pr.128", 21}}, 40, 50).hz_after(0.2), 5, 0.05);  // forward action
   EXPECT_NEAR(PidBench({{"Pr.128", 21}}, 60, 50).hz_after(0.2), 0, 0.05);
-  EXPECT_NEAR(PidBench({{"Pr.128", 0}}, 60, 50).hz_after(0.2), 30, 0.05);   // terminal 2 as it is
+  EXPECT_NEAR(PidBench({{"Pr.128", 0}}, 60, 50).hz_after(0.2), 30, 0.05);  // terminal 2 as it is
 }
 
 TEST(ParameterEffect, Pr129Pr130AndPr134AreThePartsOfPidControl) {
@@ -284,12 +279,9 @@ TEST(ParameterEffect, Pr79FixesOrFreesTheOperationMode) {
     bool panel_key;
     bool network;
   };
-  const Case cases[] = {{0, OperationMode::kExternal, true, true},
-                        {1, OperationMode::kPu, false, false},
-                        {2, OperationMode::kExternal, false, true},
-                        {3, OperationMode::kCombined1, false, false},
-                        {4, OperationMode::kCombined2, false, false},
-                        {6, OperationMode::kExternal, true, true},
+  const Case cases[] = {{0, OperationMode::kExternal, true, true},    {1, OperationMode::kPu, false, false},
+                        {2, OperationMode::kExternal, false, true},   {3, OperationMode::kCombined1, false, false},
+                        {4, OperationMode::kCombined2, false, false}, {6, OperationMode::kExternal, true, true},
                         {7, OperationMode::kExternal, false, false},  // MRS is open: the interlock holds
                         {8, OperationMode::kPu, false, false}};       // X16 is not assigned
   for (const Case& c : cases) {

@@ -86,7 +86,8 @@ TEST(ParameterEffect, Pr156SelectsWhereStallPreventionActs) {
   const auto decelerate = [](double pr156) {
     InverterConfig c = loaded(0.06);
     c.brake_resistance_ohm = 100;
-    Bench b = drive_with({{"Pr.156", pr156}, {"Pr.7", 5}, {"Pr.8", 0.5}, {"Pr.30", 1}, {"Pr.70", 30}, {"Pr.22", 110}}, c);
+    Bench b =
+        drive_with({{"Pr.156", pr156}, {"Pr.7", 5}, {"Pr.8", 0.5}, {"Pr.30", 1}, {"Pr.70", 30}, {"Pr.22", 110}}, c);
     start(b, 50);
     b.run(7);
     stop(b);
@@ -268,9 +269,18 @@ TEST(ParameterEffect, Pr65SelectsWhatIsRetried) {
     const char* alarm;
     bool retried;
   };
-  for (const Case& c : {Case{0, "E.OC2", true}, {0, "E.OV2", true}, {0, "E.THM", true}, {0, "E.FIN", false},
-                        Case{1, "E.OC2", true}, {1, "E.OV2", false}, {1, "E.THM", false}, Case{2, "E.OC2", false},
-                        {2, "E.OV2", true}, {2, "E.THM", false}, Case{3, "E.OC2", true}, {3, "E.OV2", true},
+  for (const Case& c : {Case{0, "E.OC2", true},
+                        {0, "E.OV2", true},
+                        {0, "E.THM", true},
+                        {0, "E.FIN", false},
+                        Case{1, "E.OC2", true},
+                        {1, "E.OV2", false},
+                        {1, "E.THM", false},
+                        Case{2, "E.OC2", false},
+                        {2, "E.OV2", true},
+                        {2, "E.THM", false},
+                        Case{3, "E.OC2", true},
+                        {3, "E.OV2", true},
                         {3, "E.THM", false}}) {
     Bench b = drive_with({{"Pr.65", c.pr65}, {"Pr.67", 1}, {"Pr.68", 0.1}});
     start(b, 20);

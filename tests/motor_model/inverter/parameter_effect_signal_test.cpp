@@ -114,7 +114,8 @@ TEST(ParameterEffect, Pr150ToPr153AreTheCurrentDetections) {
     b.run(2);
     if (b.output("RUN")) return -1.0;  // counts as no current while running
     b.terminal("MRS");
-    return seconds_until(b, [&] { return b.output("RUN"); }, 3);
+    return seconds_until(
+        b, [&] { return b.output("RUN"); }, 3);
   };
   EXPECT_NEAR(y13(5, 0.5), 0.5, 0.01);
   EXPECT_NEAR(y13(5, 0.9), 0.9, 0.01);
@@ -257,9 +258,14 @@ TEST(ParameterEffect, Pr75SelectsResetPanelSupervisionAndStop) {
     double pr75;
     bool reset_any_time, supervised, stop_everywhere;
   };
-  for (const Case& c : {Case{0, true, false, false}, {1, false, false, false}, {2, true, true, false},
-                        Case{3, false, true, false}, {14, true, false, true}, {15, false, false, true},
-                        Case{16, true, true, true}, {17, false, true, true}}) {
+  for (const Case& c : {Case{0, true, false, false},
+                        {1, false, false, false},
+                        {2, true, true, false},
+                        Case{3, false, true, false},
+                        {14, true, false, true},
+                        {15, false, false, true},
+                        Case{16, true, true, true},
+                        {17, false, true, true}}) {
     SCOPED_TRACE(c.pr75);
     Bench b = drive_with({{"Pr.75", c.pr75}});
     b.terminal("RES");
@@ -364,9 +370,8 @@ TEST(ParameterEffect, Pr338AndPr339GiveStartAndSpeedToTheTerminals) {
 }
 
 TEST(ParameterEffect, Pr340SelectsTheModeAfterPowerOnAndReset) {
-  for (const auto& [pr340, mode] : {std::pair{0.0, OperationMode::kExternal},
-                                    {1.0, OperationMode::kNetwork},
-                                    {2.0, OperationMode::kNetwork}}) {
+  for (const auto& [pr340, mode] :
+       {std::pair{0.0, OperationMode::kExternal}, {1.0, OperationMode::kNetwork}, {2.0, OperationMode::kNetwork}}) {
     Bench b = drive_with({{"Pr.340", pr340}});
     EXPECT_EQ(b.port().operation_mode(), mode);
     ASSERT_TRUE(b.net());

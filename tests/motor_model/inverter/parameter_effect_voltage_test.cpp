@@ -11,7 +11,7 @@ struct Point {
   Settings settings;
   double hz;
   double volt;
-  bool rt = false;       // MRS has the function RT
+  bool rt = false;  // MRS has the function RT
   bool reverse = false;
 };
 
@@ -25,10 +25,10 @@ TEST(ParameterEffect, VoltageFollowsTheVfParameters) {
       {{{"Pr.0", 10}}, 10, law(10, 0.2)},
       {{{"Pr.0", 0}}, 10, law(0, 0.2)},
       {{{"Pr.3", 100}}, 50, law(4, 0.5)},
-      {{{"Pr.14", 1}}, 25, law(4, 0.25)},                      // square
-      {{{"Pr.14", 2}}, 10, law(4, 0.2)},                       // boost forward only
+      {{{"Pr.14", 1}}, 25, law(4, 0.25)},  // square
+      {{{"Pr.14", 2}}, 10, law(4, 0.2)},   // boost forward only
       {{{"Pr.14", 2}}, 10, law(0, 0.2), false, true},
-      {{{"Pr.14", 3}}, 10, law(0, 0.2)},                       // boost reverse only
+      {{{"Pr.14", 3}}, 10, law(0, 0.2)},  // boost reverse only
       {{{"Pr.14", 3}}, 10, law(4, 0.2), false, true},
       {{{"Pr.19", 300}}, 50, 300},
       {{{"Pr.19", 9999}}, 25, law(4, 0.5, 400)},
