@@ -8,7 +8,11 @@ A page says where a table goes:
     <!-- end support-table -->
 
 usage: support_table.py [--check] [--root FOLDER]
-  --check   change nothing; exit 1 if a page is behind its data file, or a row names a test that does not exist
+  --check   change nothing; exit 1 if a page is behind its data file
+
+Either way exit 1 if a row names a test that does not exist, or a row that must be proven names none: every register,
+alarm and terminal function, and every parameter that acts; its test must mention it. A parameter that does not act says
+why ("Nothing: ...").
 """
 import argparse
 import csv
@@ -41,28 +45,118 @@ def parameter_range(row):
     return ", ".join(part for part in [allowed, *(row.get("special") or "").split("|")] if part)
 
 
+def parameter_writable(row):
+    if row.get("access") == "RO" or row.get("kind") == "manufacturer":
+        return "never"
+    running = row.get("write_while_running")
+    if running == "yes":
+        text = "stopped and running"
+    elif row.get("write_while_running_pr77_2") == "yes":
+        text = "stopped; running with Pr.77 = 2"
+    else:
+        text = "stopped"
+    if running == "unknown":
+        text += " (with 0 not known)"
+    if row.get("write_when_locked") == "yes":
+        text += "; with Pr.77 = 1 too"
+    return text
+
+
+def parameter_default(row):
+    """Rules of the data file as words: "kw<=3.7:5 kw<=7.5:10" is "5 (to 3.7 kW), 10 (to 7.5 kW)"."""
+    rule = row.get("model_default") or ""
+    if rule == "rated_current":
+        return "rated current of the model"
+    parts = re.findall(r"(kw|volt)<=([\d.]+):([\d.]+)", rule)
+    words = {"kw": "{} (to {} kW)", "volt": "{} ({} V class)"}
+    return ", ".join(words[what].format(value, limit) for what, limit, value in parts) or row["default"]
+
+
+def parameter_step(row):
+    fine = re.fullmatch(r"(\d+)=(\d+):([\d.]+)", row.get("fine_increment") or "")
+    return row["increment"] + (f"; {fine[3]} with Pr.{fine[1]} = {fine[2]}" if fine else "")
+
+
+def parameter_clear(row):
+    return {"": "both", "all_only": "ALLC only", "never": "none"}[row.get("clear") or ""]
+
+
+def alarm_retry(row):
+    return (row.get("retry_pr65") or "").replace("|", ", ") or "no"
+
+
+def alarm_reset(row):
+    return {"any": "any", "power": "power cycle only"}.get(row.get("reset") or "", "")
+
+
 def column(name):
     return lambda row: row.get(name) or ""
 
 
-# marker: (data file, [(heading, text of a row)])
+def tests_of(row):
+    return (row.get("test") or "").split()
+
+
+def tests_column(row):
+    return ", ".join(f"`{test}`" for test in tests_of(row))
+
+
+def must_have_test(label):
+    return lambda row, tests: [] if tests_of(row) else [f"{label(row)} names no test"]
+
+
+def register_problems(row, tests):
+    return must_have_test(register_address)(row, tests)
+
+
+def alarm_problems(row, tests):
+    return [] if row["name"] == "none" else must_have_test(column("name"))(row, tests)
+
+
+def parameter_problems(row, tests):
+    label = parameter_number(row)
+    if row.get("acts") == "no":
+        idle = (row.get("effect") or "").startswith("Nothing: ")
+        return ([] if idle else [f"{label} does not act and does not say why"]) + \
+            ([f"{label} does not act but names a test"] if tests_of(row) else [])
+    problems = must_have_test(parameter_number)(row, tests)
+    mention = re.compile(rf"Pr\.?{row['pr']}(?!\d)|[(\[]{row['pr']}[,)\]]")
+    problems += [f"{label}: {test} does not mention it" for test in tests_of(row)
+                 if test in tests and not mention.search(tests[test])]
+    return problems
+
+
+# marker: (data file, [(heading, text of a row)], what is wrong with a row besides unknown tests)
 TABLES = {
     "oi-fr-e5nco-registers": (
         "option_boards/boards/oi_fr_e5nco/registers.csv",
         [("Address", register_address), ("What", column("name")), ("Access", register_access),
          ("Value", register_range), ("Manual section", column("section")), ("Confidence", column("confidence")),
-         ("Notes", column("notes")), ("Test", lambda row: f"`{row['test']}`")]),
+         ("Notes", column("notes")), ("Test", tests_column)], register_problems),
     "fr-e500-parameters": (
         "motor_model/families/mitsubishi_e500/parameters.csv",
         [("Parameter", parameter_number), ("Name", column("name")), ("Range", parameter_range),
-         ("Step", column("increment")), ("Unit", column("unit")), ("Default", column("default")),
+         ("Step", parameter_step), ("Unit", column("unit")), ("Default", parameter_default),
+         ("Writable", parameter_writable), ("Cleared by", parameter_clear),
          ("Modbus address", column("modbus_address")), ("Source", column("source")),
          ("Confidence", column("confidence")), ("Acts", column("acts")), ("What it does here", column("effect")),
-         ("Test", lambda row: f"`{row['test']}`" if row.get("test") else "")]),
+         ("Test", tests_column)], parameter_problems),
+    "fr-e500-alarms": (
+        "motor_model/families/mitsubishi_e500/alarms.csv",
+        [("Alarm", column("name")), ("Code (hex)", column("data_code_hex")), ("Cause", column("cause")),
+         ("Retried with Pr.65", alarm_retry), ("Reset", alarm_reset), ("Source", column("source")),
+         ("Confidence", column("confidence")), ("Notes", column("notes")), ("Test", tests_column)], alarm_problems),
+    "fr-e500-terminals": (
+        "motor_model/families/mitsubishi_e500/terminals.csv",
+        [("Direction", column("direction")), ("Parameters", column("parameters")), ("Setting", column("number")),
+         ("Signal", column("signal")), ("Meaning", column("meaning")), ("Default of", column("default_of")),
+         ("Source", column("source")), ("Confidence", column("confidence")), ("Notes", column("notes")),
+         ("Test", tests_column)], must_have_test(lambda row: f"{row['direction']} {row['signal']}")),
 }
 
 SECTION = re.compile(r"(<!-- support-table: (?P<name>[\w-]+) -->\n)(?P<body>.*?)(<!-- end support-table -->)", re.DOTALL)
-TEST_NAME = re.compile(r"\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)")
+# To the brace that closes it: on the same line, or alone in the first column.
+TEST = re.compile(r"^TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)(?: *\{[^\n]*\}$|.*?^\})", re.DOTALL | re.MULTILINE)
 
 
 def cell(text):
@@ -83,10 +177,10 @@ def read_rows(path):
 
 
 def known_tests(root):
-    names = set()
-    for source in (root / "tests").rglob("*.cpp"):
-        names.update(".".join(match) for match in TEST_NAME.findall(source.read_text(encoding="utf-8")))
-    return names
+    """Suite.Name of every GoogleTest: its text."""
+    return {f"{match[1]}.{match[2]}": match[0]
+            for source in sorted((root / "tests").rglob("*.cpp"))
+            for match in TEST.finditer(source.read_text(encoding="utf-8"))}
 
 
 def main():
@@ -104,14 +198,13 @@ def main():
         if name not in TABLES:
             problems.append(f"{page}: unknown table {name}; known: {', '.join(TABLES)}")
             return match[0]
-        data, columns = TABLES[name]
+        data, columns, problems_of = TABLES[name]
         if not (args.root / data).exists():
             return match[1] + match[4]
         rows = read_rows(args.root / data)
         for row in rows:
-            for test in filter(None, [row.get("test")]):
-                if test not in tests:
-                    problems.append(f"{data}: no test is named {test}")
+            problems.extend(f"{data}: no test is named {test}" for test in tests_of(row) if test not in tests)
+            problems.extend(f"{data}: {problem}" for problem in problems_of(row, tests))
         return match[1] + "\n" + make_table(rows, columns) + "\n" + match[4]
 
     for page in sorted((args.root / "docs").rglob("*.md")):

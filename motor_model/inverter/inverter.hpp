@@ -76,6 +76,7 @@ class Inverter {
   virtual std::vector<std::string_view> analog_terminals() const = 0;
   // As from the panel: physical value ("5.0" for Pr.7 = 5 s), with the panel's own rules (mode, Pr.77).
   // "Pr.7" or "Pr.902.1"; "Pr.CL", "ALLC" and "Er.CL" with value 1 clear parameters, all of them, the alarm history.
+  // A read is refused for a parameter that does not exist or that the panel hides (Pr.160).
   virtual Outcome set_parameter(std::string_view name, double value) = 0;
   virtual Result<double, std::string> get_parameter(std::string_view name) const = 0;
   // First-start values of the plant file: written before the first power-on, outside the panel's rules.

@@ -5,6 +5,7 @@
 
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "motor_model/inverter/e500/reset_selection.hpp"
 #include "sim/base/check.hpp"
 
 namespace vinv::inverter::e500 {
@@ -154,14 +155,14 @@ void E500Inverter::follow_causes() {
     raise("E.3", format("the option board reports a fault of its own at %.3f s in network operation", at_s));
   } else if (v_.network.communication_lost && network) {
     raise("E.OP3", format("communication of the option board lost at %.3f s in network operation", at_s));
-  } else if (causes_.pu_disconnected && (reset_selection & 2) != 0) {
+  } else if (causes_.pu_disconnected && ResetSelection::of(reset_selection).panel_supervised) {
     raise("E.PUE", format("operation panel disconnected at %.3f s with Pr.75 = %d", at_s, reset_selection));
   }
 }
 
 bool E500Inverter::reset_accepted() const {
   if (v_.alarm.row) return data_.alarms.rows()[*v_.alarm.row].reset == ResetRule::kAny;
-  return (store_.integer(pr::kResetSelection) & 1) == 0;
+  return !ResetSelection::of(store_.integer(pr::kResetSelection)).only_with_alarm;
 }
 
 void E500Inverter::begin_reset() {

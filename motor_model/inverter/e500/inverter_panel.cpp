@@ -6,6 +6,7 @@
 
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "motor_model/inverter/e500/reset_selection.hpp"
 
 namespace vinv::inverter::e500 {
 
@@ -60,7 +61,7 @@ Outcome E500Inverter::press_key(PanelKey key) {
         return {};
       }
       // Pr.75 = 14-17: STOP acts in every mode and the start signal has to go off before the next run.
-      if (store_.integer(pr::kResetSelection) < 14) {
+      if (!ResetSelection::of(store_.integer(pr::kResetSelection)).stop_in_every_mode) {
         return Unexpected("STOP acts in PU operation only (Pr.75 below 14); " + mode_sentence());
       }
       if (v_.direction != RunDirection::kStop || running()) v_.panel.stopped_by_panel = true;

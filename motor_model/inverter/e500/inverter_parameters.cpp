@@ -17,6 +17,10 @@ std::string number_text(double value) {
   return text;
 }
 
+std::string not_in_group(const ParameterRow& row) {
+  return row.label + " is not in the user group that Pr.160 selects";
+}
+
 }  // namespace
 
 AccessSituation E500Inverter::access(Writer writer) const {
@@ -148,7 +152,7 @@ Outcome E500Inverter::write_from_panel(std::size_t row, double value) {
   const ParameterRow& r = data_.parameters.rows()[row];
   AccessSituation situation = access(Writer::kPanel);
   situation.in_user_group = in_user_group(r.id.number);
-  if (!situation.in_user_group) return Unexpected(r.label + " is not in the user group that Pr.160 selects");
+  if (!situation.in_user_group) return Unexpected(not_in_group(r));
   if (const auto refusal = write_refusal(r, situation)) {
     switch (*refusal) {
       case Refusal::kReadOnly: return Unexpected(r.label + " cannot be written");
@@ -198,6 +202,8 @@ Outcome E500Inverter::set_parameter(std::string_view name, double value) {
 Result<double, std::string> E500Inverter::get_parameter(std::string_view name) const {
   const auto row = data_.parameters.index(name);
   if (!row) return Unexpected("there is no parameter " + std::string(name) + " (write Pr.7, or Pr.902.1)");
+  const ParameterRow& r = data_.parameters.rows()[*row];
+  if (!in_user_group(r.id.number)) return Unexpected(not_in_group(r));
   return store_.physical(*row, shown_raw(*row));
 }
 
@@ -279,7 +285,8 @@ Outcome E500Inverter::load_eeprom(std::string_view text) {
 void E500Inverter::start_volatile() {
   store_.load_ram_from_eeprom();
   v_.panel_frequency_hz = record_.panel_frequency / 100.0;
-  v_.remote.power_on(record_.remote_frequency / 100.0);
+  // Only Pr.59 = 1 has a memory; what an earlier setting stored does not count.
+  v_.remote.power_on(store_.integer(pr::kRemoteSetting) == 1 ? record_.remote_frequency / 100.0 : 0);
   v_.mrs_inverted = store_.integer(pr::kMrsSense) == 2;
   v_.mode = start_mode(mode_situation());
 }

@@ -243,7 +243,7 @@ void E500Inverter::publish() {
   const auto ratio = [](double value, double full_scale) { return full_scale > 0 ? value / full_scale : 0; };
   switch (store_.integer(pr::kAmSelection)) {
     case 1: share = ratio(current, store_.value(pr::kCurrentFullScale)); break;
-    case 2: share = ratio(m.gates_on ? m.output_voltage_v_rms : 0, model_.voltage_class_v); break;
+    case 2: share = ratio(m.gates_on ? m.output_voltage_v_rms : 0, 2 * model_.voltage_class_v); break;
     default: share = ratio(std::abs(out.output_frequency_hz), store_.value(pr::kFrequencyFullScale));
   }
   p.am_v = std::clamp(share * kAmFullScale_v * store_.value(pr::kAmCalibration) / 100, 0.0, kAmFullScale_v);

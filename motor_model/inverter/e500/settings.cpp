@@ -49,9 +49,9 @@ void set_ramps(drive::DriveSettings& s, const ParameterStore& p, const SettingsS
   }
 }
 
-void set_frequencies(drive::DriveSettings& s, const ParameterStore& p) {
+void set_frequencies(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
   s.max_frequency_hz = maximum_frequency_hz(p);
-  s.min_frequency_hz = p.value(pr::kMinimumFrequency);
+  s.min_frequency_hz = selection.jog ? 0 : p.value(pr::kMinimumFrequency);  // Pr.15 goes before Pr.2
   s.start_frequency_hz = p.value(pr::kStartingFrequency);
   for (unsigned i = 0; i < s.jump_bands.size(); ++i) {
     const unsigned a = pr::kJump1A + 2 * i;
@@ -168,7 +168,7 @@ drive::DriveSettings make_settings(const ParameterStore& p, const SettingsSelect
   s.rated_current_a_rms = around.model->rated_current_a_rms;
   s.nominal_dc_link_v = around.mains_v_rms * std::numbers::sqrt2;
   set_ramps(s, p, selection);
-  set_frequencies(s, p);
+  set_frequencies(s, p, selection);
   set_voltage(s, p, selection, around);
   set_stall(s, p);
   set_protections(s, p, selection, around);

@@ -7,7 +7,6 @@
 
 #include "option_boards/boards/oi_fr_e5nco/exception_codes.hpp"
 #include "option_boards/boards/oi_fr_e5nco/words.hpp"
-#include "sim/base/check.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
 
@@ -95,8 +94,8 @@ Result<std::uint16_t, Exception> ModbusUnit::read_item(const RegisterRow& row, s
     case Item::kParameter: {
       const auto value = drive_.read_parameter({index, 0});
       if (!value) return Unexpected(exception_of(value.error()));
-      VINV_CHECK(*value <= kMaxWord);
-      return static_cast<std::uint16_t>(*value);
+      // Unspecified: a parameter whose value needs more than one word (Pr.37 above 65.535) reads as the largest word.
+      return static_cast<std::uint16_t>(std::min(*value, kMaxWord));
     }
     default: return Unexpected(kAddressNotCorrect);
   }

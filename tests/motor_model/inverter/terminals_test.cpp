@@ -237,7 +237,7 @@ TEST(Outputs, AmShowsWhatPr158Selects) {
   EXPECT_NEAR(b.signal("am"), b.signal("output_current") / 4.0 * 10, 0.1);
   ASSERT_TRUE(b->preset_parameter("Pr.158", 2).has_value());
   b.tick();
-  EXPECT_NEAR(b.signal("am"), b.signal("output_voltage") / 400 * 10, 0.01);
+  EXPECT_NEAR(b.signal("am"), b.signal("output_voltage") / 800 * 10, 0.01);
   const double full = b.signal("am");
   ASSERT_TRUE(b->preset_parameter("Pr.901", 50).has_value());
   b.tick();

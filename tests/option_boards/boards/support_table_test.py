@@ -57,20 +57,68 @@ class SupportTable(unittest.TestCase):
         self.page.write_text("# Board\n")
         self.assertIn("no page has the table oi-fr-e5nco-registers", self.run_script("--check").stderr)
 
-    def test_parameters_are_made_from_the_family_table_once_it_exists(self):
+    PARAMETERS = ("pr,sub,name,min,max,special,increment,fine_increment,unit,default,model_default,write_while_running,"
+                  "write_while_running_pr77_2,write_when_locked,clear,source,confidence,acts,effect,test\n")
+    RESTART = "57,00,Restart,0,5,9999,0.1,,s,9999,,no,yes,no,,typical,medium,yes,Coasting time,Map.Restart\n"
+
+    def put_parameters(self, *rows):
+        self.put("tests/restart_test.cpp", 'TEST(Map, Restart) {\n  preset("Pr.57", 1);\n}\n')
         self.put("docs/parameters.md", "<!-- support-table: fr-e500-parameters -->\n<!-- end support-table -->\n")
+        self.put("motor_model/families/mitsubishi_e500/parameters.csv", self.PARAMETERS + "".join(rows))
+
+    def test_parameters_are_made_from_the_family_table_once_it_exists(self):
+        page = self.put("docs/parameters.md",
+                        "<!-- support-table: fr-e500-parameters -->\n<!-- end support-table -->\n")
         self.run_script()
         self.assertEqual(self.run_script("--check").returncode, 0)
-        self.put("motor_model/families/mitsubishi_e500/parameters.csv",
-                 "pr,sub,name,min,max,special,increment,unit,default,source,confidence,acts,effect\n"
-                 "57,00,Restart,0,5,9999,0.1,s,9999,typical for the family,medium,yes,Coasting time\n"
-                 "902,01,Bias,0,60,,0.01,Hz,0,manual 6.2.2.1,medium,no,None here\n")
+        self.put_parameters(self.RESTART,
+                            "902,01,Bias,0,60,,0.01,,Hz,0,,unknown,yes,no,all_only,manual,medium,no,Nothing: no input,\n",
+                            "7,00,Ramp,0,3600,,0.1,21=1:0.01,s,5,kw<=3.7:5 kw<=7.5:10,yes,yes,yes,,typical,low,no,"
+                            "Nothing: test,\n")
         self.assertEqual(self.run_script("--check").returncode, 1)
-        self.assertEqual(self.run_script().returncode, 0)
-        text = (self.root / "docs/parameters.md").read_text()
-        self.assertIn("| Pr.57 | Restart | 0-5, 9999 | 0.1 | s | 9999 |", text)
-        self.assertIn("| Pr.902 (1) | Bias |", text)
-        self.assertNotIn("Test |", text)
+        self.assertEqual(self.run_script().stderr, "")
+        text = page.read_text()
+        self.assertIn("| Pr.57 | Restart | 0-5, 9999 | 0.1 | s | 9999 | stopped; running with Pr.77 = 2 | both |", text)
+        self.assertIn("| Pr.902 (1) | Bias | 0-60 | 0.01 | Hz | 0 | stopped; running with Pr.77 = 2 (with 0 not known) | "
+                      "ALLC only |", text)
+        self.assertIn("| 0.1; 0.01 with Pr.21 = 1 | s | 5 (to 3.7 kW), 10 (to 7.5 kW) | "
+                      "stopped and running; with Pr.77 = 1 too |", text)
+
+    def problems_of_parameter(self, row):
+        self.put_parameters(row)
+        self.run_script()
+        result = self.run_script("--check")
+        self.assertEqual(result.returncode, 1 if result.stderr else 0)
+        return result.stderr
+
+    def test_parameter_that_acts_needs_a_test_that_mentions_it(self):
+        self.assertEqual(self.problems_of_parameter(self.RESTART), "")
+        self.assertIn("Pr.57 names no test", self.problems_of_parameter(self.RESTART.replace("Map.Restart", "")))
+        self.assertIn("Pr.5: Map.Restart does not mention it", self.problems_of_parameter("5" + self.RESTART[2:]))
+        self.assertIn("no test is named Map.Other",
+                      self.problems_of_parameter(self.RESTART.replace("Map.Restart", "Map.Restart Map.Other")))
+
+    def test_parameter_that_does_nothing_says_why_and_names_no_test(self):
+        idle = self.RESTART.replace("yes,Coasting time", "no,Nothing: no bell")
+        self.assertIn("Pr.57 does not act but names a test", self.problems_of_parameter(idle))
+        self.assertEqual(self.problems_of_parameter(idle.replace("Map.Restart", "")), "")
+        self.assertIn("does not say why",
+                      self.problems_of_parameter(self.RESTART.replace("yes,Coasting", "no,Coasting")))
+
+    def test_alarms_terminals_and_registers_need_a_test_each(self):
+        family = "motor_model/families/mitsubishi_e500/"
+        self.put(family + "alarms.csv", "name,data_code_hex,cause,retry_pr65,reset,test\nE.OC1,10,Current,0|1,any,\n"
+                                        "none,00,No alarm,,,\n")
+        self.put(family + "terminals.csv", "direction,parameters,number,signal,meaning,default_of,test\n"
+                                           "input,180-183,3,RT,Second,,\n")
+        self.put("docs/family.md", "<!-- support-table: fr-e500-alarms -->\n<!-- end support-table -->\n"
+                                   "<!-- support-table: fr-e500-terminals -->\n<!-- end support-table -->\n")
+        self.put("option_boards/boards/oi_fr_e5nco/registers.csv", HEADER + ROW.replace("Map.Analog", ""))
+        errors = self.run_script().stderr
+        self.assertIn("E.OC1 names no test", errors)
+        self.assertNotIn("none names no test", errors)
+        self.assertIn("input RT names no test", errors)
+        self.assertIn("24006 names no test", errors)
 
 
 if __name__ == "__main__":
