@@ -70,8 +70,8 @@ struct UnixSocketListener::Impl : std::enable_shared_from_this<Impl> {
   void take(Protocol::socket socket) {
     if (!table.has_room()) return;
     const auto handler = on_accept;
-    handler(loop.now(),
-            make_socket_stream(loop, std::move(socket), path + " client " + std::to_string(++accepted), &table));
+    handler(loop.now(), make_socket_stream(loop, std::move(socket), path + " client " + std::to_string(++accepted),
+                                           &table, kMaxQueuedBytes));
   }
 
   EventLoop& loop;
