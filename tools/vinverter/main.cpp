@@ -62,7 +62,8 @@ int main(int argc, char** argv) {
     names.push_back(sub->get_name());
   if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
     const std::vector<std::string_view> known(names.begin(), names.end());
-    fmt::print(stderr, "vinverter: unknown command \"{}\"; {}\n", argv[1], rig::allowed_words(argv[1], known));
+    fmt::print(stderr, "vinverter: unknown command \"{}\"; {} `vinverter --help` explains them.\n", argv[1],
+               rig::allowed_words(argv[1], known));
     return tools::kUnusable;
   }
   try {
