@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "motor_model/plant/power_plant.hpp"
@@ -31,6 +32,9 @@ struct InverterConfig {
   std::optional<double> source_resistance_ohm;
   bool option_fitted = true;
   plant::SolverSettings solver;
+  // Factory values of this unit in place of the family's ("Pr.345", 5), physical: what it starts with, and has again
+  // after all clear or with a damaged EEPROM.
+  std::vector<std::pair<std::string, double>> factory_values;
 };
 
 struct ParameterInfo {

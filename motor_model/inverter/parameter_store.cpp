@@ -85,6 +85,11 @@ void ParameterStore::write(std::size_t row, std::int32_t raw, Storage storage) {
   ++revision_;
 }
 
+void ParameterStore::set_factory(std::size_t row, std::int32_t raw) {
+  write(row, raw, Storage::kRamAndEeprom);
+  factory_[row] = raw;
+}
+
 void ParameterStore::clear(ClearKind kind) {
   for (std::size_t i = 0; i < ram_.size(); ++i) {
     const ClearRule rule = table_->rows()[i].clear;

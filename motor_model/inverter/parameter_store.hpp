@@ -40,9 +40,10 @@ class ParameterStore {
 
   // Without access rules; the row must accept the value.
   void write(std::size_t row, std::int32_t raw, Storage storage);
-  void clear(ClearKind kind);   // both images, by each row's clear rule
-  void clear_to_factory();      // EEPROM and RAM, every row: the contents are lost
-  void load_ram_from_eeprom();  // power-on and reset
+  void set_factory(std::size_t row, std::int32_t raw);  // both images, too
+  void clear(ClearKind kind);                           // both images, by each row's clear rule
+  void clear_to_factory();                              // EEPROM and RAM, every row: the contents are lost
+  void load_ram_from_eeprom();                          // power-on and reset
   void set_eeprom(const std::vector<std::int32_t>& image);
   const std::vector<std::int32_t>& eeprom() const { return eeprom_; }
 

@@ -207,7 +207,16 @@ void set_terminal(const Context& c, std::string_view name, bool on) {
 
 Json terminal(const Context& c) {
   const Json& map = map_of(c.value, {}, "terminal", "{STF: on}");
-  for (const auto& [name, on] : map.items()) set_terminal(c, name, switch_of(on, "terminal " + name));
+  const auto before = c.inverter().terminals();
+  std::vector<std::pair<std::string, bool>> wanted;
+  for (const auto& [name, on] : map.items()) wanted.emplace_back(name, switch_of(on, "terminal " + name));
+  try {
+    for (const auto& [name, on] : wanted) set_terminal(c, name, on);
+  } catch (const Refuse&) {
+    // All of them or none; only inputs can have been set.
+    for (const auto& [name, on] : before) static_cast<void>(c.inverter().set_terminal(name, on));
+    throw;
+  }
   return map;
 }
 
@@ -244,7 +253,6 @@ Json run(const Context& c) {
 }
 
 Json stop(const Context& c) {
-  if (!c.value.is_null()) invalid("stop takes no value.");
   const OperationMode mode = c.inverter().port().operation_mode();
   if (keys_start(mode) || mode == OperationMode::kNetwork) {
     demand(c.inverter().press_key(PanelKey::kStopReset));
@@ -256,7 +264,6 @@ Json stop(const Context& c) {
 }
 
 Json reset(const Context& c) {
-  if (!c.value.is_null()) invalid("reset takes no value.");
   constexpr Duration kResetPulse = std::chrono::milliseconds(100);
   auto& scheduler = c.plant.scheduler();
   set_terminal(c, "RES", true);
@@ -345,8 +352,10 @@ Json parameter(const Context& c) {
   }
   const Json& map = map_of(c.value, {}, "parameter", "a name to read (Pr.7), or {Pr.7: 2} to write");
   for (const auto& [name, value] : map.items()) {
-    demand(c.inverter().set_parameter(name, number_of(value, name)));
-    out[name] = parameter_row(c.inverter(), name);
+    const double written = number_of(value, name);
+    demand(c.inverter().set_parameter(name, written));
+    // The clears (ALLC, ...) are written like parameters and cannot be read.
+    out[name] = c.inverter().get_parameter(name).value_or(written);
   }
   return out;
 }
@@ -582,6 +591,7 @@ CommandResult dispatch(Plant& plant, const Row& row, std::string_view drive, con
     invalid((drive.empty() ? "the drive is missing; " : "there is no drive \"" + std::string(drive) + "\"; ") +
             allowed_words(drive, known));
   }
+  if (row.info.value.empty() && !value.is_null()) invalid(std::string(row.info.name) + " takes no value.");
   return row.act({plant, *unit, value});
 }
 

@@ -11,30 +11,44 @@ Json error_response(const Json& id, CommandCode code, const std::string& message
 }
 
 // Foreign bytes in messages must not make the answer unprintable: invalid UTF-8 is replaced.
-std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string line_of(const Json& json) { return text_of(json) + "\n"; }
 
 }  // namespace
 
-std::string ControlSession::handle_bytes(ByteView bytes) {
-  std::string answers;
-  for (const std::uint8_t byte : bytes) {
-    if (broken_) break;
-    if (byte != '\n') {
-      pending_.push_back(static_cast<char>(byte));
-      if (pending_.size() > kMaxLineBytes) {
-        broken_ = true;
-        answers += line_of(error_response({}, CommandCode::kInvalidRequest,
-                                          "a line is longer than " + std::to_string(kMaxLineBytes) + " bytes."));
-      }
-      continue;
-    }
-    const std::string line = std::exchange(pending_, {});
-    if (line.find_first_not_of(" \t\r") != std::string::npos) answers += handle_line(line);
-  }
-  return answers;
+void ControlSession::end_with(const std::string& message) {
+  broken_ = true;
+  farewell_ = line_of(error_response({}, CommandCode::kInvalidRequest, message));
 }
 
-std::string ControlSession::handle_line(const std::string& line) {
+void ControlSession::take_bytes(ByteView bytes) {
+  for (const std::uint8_t byte : bytes) {
+    if (broken_) return;
+    if (byte != '\n') {
+      pending_.push_back(static_cast<char>(byte));
+      if (pending_.size() > kMaxLineBytes)
+        end_with("a line is longer than " + std::to_string(kMaxLineBytes) + " bytes.");
+      continue;
+    }
+    std::string line = std::exchange(pending_, {});
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    waiting_bytes_ += line.size();
+    lines_.push_back(std::move(line));
+    if (waiting_bytes_ > kMaxWaitingBytes)
+      end_with("more than " + std::to_string(kMaxWaitingBytes) + " bytes of requests wait; wait for answers.");
+  }
+}
+
+std::string ControlSession::execute_next() {
+  if (batch_) return execute_in_batch();
+  if (lines_.empty()) return std::exchange(farewell_, {});
+  const std::string line = std::move(lines_.front());
+  lines_.pop_front();
+  waiting_bytes_ -= line.size();
+  return execute_line(line);
+}
+
+std::string ControlSession::execute_line(const std::string& line) {
   // Deep nesting would recurse in the parser; no request needs more than a few levels.
   constexpr int kMaxDepth = 16;
   bool too_deep = false;
@@ -42,7 +56,7 @@ std::string ControlSession::handle_line(const std::string& line) {
     too_deep = too_deep || depth > kMaxDepth;
     return !too_deep;
   };
-  const Json request = Json::parse(line, depth_limit, false);
+  Json request = Json::parse(line, depth_limit, false);
   if (request.is_discarded() || too_deep)
     return line_of(error_response({}, CommandCode::kParseError, "this line is not JSON."));
   if (!request.is_array()) {
@@ -52,10 +66,17 @@ std::string ControlSession::handle_line(const std::string& line) {
   if (request.empty() || request.size() > kMaxBatch)
     return line_of(error_response({}, CommandCode::kInvalidRequest,
                                   "a batch has 1 to " + std::to_string(kMaxBatch) + " requests."));
-  Json answers = Json::array();
-  for (const Json& one : request)
-    if (Json answer = handle_request(one); !answer.is_null()) answers.push_back(std::move(answer));
-  return answers.empty() ? std::string{} : line_of(answers);
+  batch_ = Batch{std::move(request), 0, {}};
+  return execute_in_batch();
+}
+
+std::string ControlSession::execute_in_batch() {
+  if (const Json answer = handle_request(batch_->requests[batch_->next++]); !answer.is_null())
+    batch_->answers += (batch_->answers.empty() ? "" : ",") + text_of(answer);
+  if (batch_->next < batch_->requests.size()) return {};
+  const std::string answers = std::move(batch_->answers);
+  batch_.reset();
+  return answers.empty() ? std::string{} : "[" + answers + "]\n";
 }
 
 Json ControlSession::handle_request(const Json& request) {
@@ -110,20 +131,37 @@ void ControlServer::accept(Instant, std::unique_ptr<transports::ByteStream> stre
   c.stream->set_handlers(
       [this, &c](Instant at, ByteView bytes, bool) {
         if (c.closed) return;
-        const std::string answers = c.session.handle_bytes(bytes);
-        if (!answers.empty())
-          c.stream->send(at, ByteView(reinterpret_cast<const std::uint8_t*>(answers.data()), answers.size()));
-        if (c.session.broken() && !c.closed) {
-          c.stream->close();
-          retire(c);
-        }
+        c.session.take_bytes(bytes);
+        if (c.next_request == 0) work(at, c);
       },
       [this, &c](Instant, const std::string&) { retire(c); });
+}
+
+void ControlServer::work(Instant now, Connection& c) {
+  if (const std::string answers = c.session.execute_next(); !answers.empty())
+    c.stream->send(now, ByteView(reinterpret_cast<const std::uint8_t*>(answers.data()), answers.size()));
+  if (c.closed) return;
+  if (c.session.has_work()) {
+    // Whatever is due by then, a tick above all, comes first.
+    c.next_request = plant_.scheduler().schedule(plant_.now(), kernel::Priority::kObserver, [this, &c](Instant at) {
+      c.next_request = 0;
+      work(at, c);
+    });
+  } else if (c.session.broken()) {
+    c.stream->close();
+    retire(c);
+  }
+}
+
+ControlServer::~ControlServer() {
+  for (const auto& c : connections_)
+    if (c->next_request != 0) plant_.scheduler().cancel(c->next_request);
 }
 
 void ControlServer::retire(Connection& c) {
   if (c.closed) return;
   c.closed = true;
+  if (c.next_request != 0) plant_.scheduler().cancel(std::exchange(c.next_request, 0));
   // Not here: the call may come out of the stream itself.
   auto& scheduler = plant_.scheduler();
   scheduler.schedule(scheduler.now(), kernel::Priority::kObserver, [this](Instant) {

@@ -119,6 +119,7 @@ void EepromStore::store(const std::string& drive, std::string text) {
   {
     const std::lock_guard guard(mutex_);
     queued_[drive] = std::move(text);
+    queue_failed();
   }
   changed_.notify_all();
 }
@@ -126,7 +127,19 @@ void EepromStore::store(const std::string& drive, std::string text) {
 std::string EepromStore::flush() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return queued_.empty() && !writing_; });
+  if (!failed_.empty()) {
+    failure_.clear();  // told before, or by the new attempt
+    queue_failed();
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return queued_.empty() && !writing_; });
+  }
   return std::exchange(failure_, {});
+}
+
+// A text that is queued already is newer.
+void EepromStore::queue_failed() {
+  queued_.merge(failed_);
+  failed_.clear();
 }
 
 std::string EepromStore::take_failure() {
@@ -139,7 +152,7 @@ void EepromStore::write_queued() {
   for (;;) {
     changed_.wait(lock, [this] { return stopping_ || !queued_.empty(); });
     if (queued_.empty()) return;
-    const auto [drive, text] = std::pair(queued_.begin()->first, std::move(queued_.begin()->second));
+    auto [drive, text] = std::pair(queued_.begin()->first, std::move(queued_.begin()->second));
     queued_.erase(queued_.begin());
     writing_ = true;
     lock.unlock();
@@ -151,6 +164,7 @@ void EepromStore::write_queued() {
     }
     lock.lock();
     writing_ = false;
+    if (!failure.empty()) failed_[drive] = std::move(text);
     if (failure_.empty()) failure_ = failure;
     changed_.notify_all();
   }

@@ -29,7 +29,8 @@ class EepromStore {
   std::optional<std::string> load(const std::string& drive) const;
   // Moves the file to the first free DRIVE.eeprom.damaged-N and returns that path. Throws if it cannot.
   std::string keep_aside(const std::string& drive) const;
-  // Queues the text for writing; a newer text of the same drive takes the place of one that waits.
+  // Queues the text for writing; a newer text of the same drive takes the place of one that waits. What could not be
+  // written is tried again with the next text of any drive, and by flush().
   void store(const std::string& drive, std::string text);
   // Waits until everything queued is written. Returns the first failure since the last call, a sentence, or nothing.
   std::string flush();
@@ -38,12 +39,14 @@ class EepromStore {
 
  private:
   void write_queued();
+  void queue_failed();
 
   std::string folder_;
   int lock_ = -1;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::string, std::string> queued_;  // drive, text
+  std::map<std::string, std::string> failed_;  // could not be written
   bool writing_ = false;
   bool stopping_ = false;
   std::string failure_;

@@ -193,10 +193,13 @@ std::string LivePlant::table() const {
   for (const auto& d : plant_->drives()) {
     out += fmt::format("{}  {} {}, motor {}\n", d->spec.name, d->inverter->family(), d->inverter->model(),
                        d->spec.motor.value.name);
-    if (d->tcp)
+    if (d->tcp) {
+      const bool is_v6 = d->tcp->host.find(':') != std::string::npos;
       out += fmt::format(
           "  Modbus/TCP  {}:{} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
-          d->tcp->host, d->tcp->port, d->unit(), d->tcp->port, d->unit(), d->tcp->host);
+          is_v6 ? "[" + d->tcp->host + "]" : d->tcp->host, d->tcp->port, d->unit(), d->tcp->port, d->unit(),
+          d->tcp->host);
+    }
     if (d->serial) {
       const auto line = d->board->serial_channel()->line_settings();
       using Parity = boards::LineSettings::Parity;

@@ -60,6 +60,11 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   config.source_resistance_ohm = spec.source_resistance_ohm;
   config.option_fitted = spec.board.has_value();
   config.solver.choice = spec.solver;
+  // `node:` stands for the switches and for the factory value of the parameter that overrides them: after all clear or
+  // with a damaged EEPROM masters still find the drive where they look for it.
+  if (spec.board)
+    if (const std::string_view parameter = node_parameter(spec.board->type.value); !parameter.empty())
+      config.factory_values.emplace_back(parameter, spec.board->node.value);
   auto made = options.catalogue.make_inverter(spec.family, config);
   if (!made) refuse(spec.model.at, spec.name, made.error());
   d->inverter = std::move(made).value();
@@ -70,11 +75,9 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   std::optional<std::string> stored;
   if (options.stored_eeprom) stored = options.stored_eeprom(spec.name);
   if (!stored) {
-    first_node(*d);
     first_parameters(*d);
   } else if (const auto loaded = d->inverter->load_eeprom(*stored); !loaded) {
     if (options.damaged_eeprom) options.damaged_eeprom(spec.name, loaded.error());
-    first_node(*d);  // a factory value of this plant; masters find the drive where they look for it
   }
   inputs(*d);
 
@@ -87,15 +90,6 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
     d->board = std::move(fitted).value();
   }
   return d;
-}
-
-// `node:` stands for the switches and for the factory value of the parameter that overrides them.
-void Plant::first_node(DriveUnit& d) {
-  if (!d.spec.board) return;
-  const std::string_view parameter = node_parameter(d.spec.board->type.value);
-  if (parameter.empty()) return;
-  if (const auto set = d.inverter->preset_parameter(parameter, d.spec.board->node.value); !set)
-    refuse(d.spec.board->node.at, d.spec.name, set.error());
 }
 
 // What a drive has when it starts for the first time.

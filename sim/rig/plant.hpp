@@ -65,7 +65,6 @@ class Plant {
  private:
   std::unique_ptr<DriveUnit> build(const DriveSpec& spec, const PlantOptions& options);
   [[noreturn]] void refuse(Position at, const std::string& drive, const std::string& message) const;
-  void first_node(DriveUnit& drive);
   void first_parameters(DriveUnit& drive);
   void inputs(DriveUnit& drive);
   void tick(Instant now);

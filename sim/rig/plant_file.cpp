@@ -7,10 +7,10 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <set>
-#include <sstream>
 
 #include "sim/rig/words.hpp"
 #include "sim/rig/yaml_map.hpp"
@@ -629,12 +629,17 @@ PlantFile parse_plant_file(std::string_view text, const std::string& path, const
 }
 
 PlantFile load_plant_file(const std::string& path, const Catalogue& catalogue) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw PlantFileError(path, {{{}, "is a folder; a plant file is a YAML text."}});
   std::ifstream in(path, std::ios::binary);
   if (!in) throw PlantFileError(path, {{{}, std::string("cannot be read: ") + std::strerror(errno) + "."}});
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in || in.bad()) throw PlantFileError(path, {{{}, "cannot be read: it is no ordinary file."}});
-  return parse_plant_file(text.str(), path, catalogue);
+  // One byte too many is enough for a refusal; a device may never end.
+  std::string text(kMaxPlantFileBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad()) throw PlantFileError(path, {{{}, "cannot be read: it is no ordinary file."}});
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return parse_plant_file(text, path, catalogue);
 }
 
 }  // namespace vinv::rig

@@ -16,8 +16,8 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
  public:
   using Socket = asio::generic::stream_protocol::socket;
 
-  SocketSession(EventLoop& loop, Socket socket, std::string name)
-      : loop_(loop), socket_(std::move(socket)), name_(std::move(name)) {}
+  SocketSession(EventLoop& loop, Socket socket, std::string name, std::size_t max_queued)
+      : loop_(loop), socket_(std::move(socket)), name_(std::move(name)), max_queued_(max_queued) {}
 
   const std::string& name() const { return name_; }
   bool takes_a_place() const { return state_ != State::kEnded; }
@@ -41,9 +41,8 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
       bytes = bytes.subspan(error ? 0 : sent);
       if (bytes.empty()) return;
     }
-    if (queue_.size() + bytes.size() > ByteStream::kMaxQueuedBytes) {
-      return end_later("disconnected: the peer does not read (" + std::to_string(ByteStream::kMaxQueuedBytes) +
-                       " bytes wait for it)");
+    if (queue_.size() - sent_ + bytes.size() > max_queued_) {
+      return end_later("disconnected: the peer does not read (" + std::to_string(max_queued_) + " bytes wait for it)");
     }
     queue_.insert(queue_.end(), bytes.begin(), bytes.end());
     wait_writable();
@@ -69,6 +68,7 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
     state_ = State::kEnded;
     if (grace_ != 0) loop_.scheduler().cancel(grace_);
     queue_ = Bytes();
+    sent_ = 0;
     asio::error_code ignored;
     socket_.shutdown(asio::socket_base::shutdown_both, ignored);
     socket_.close(ignored);
@@ -122,11 +122,16 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
   void flush() {
     if (state_ == State::kEnded) return;
     asio::error_code error;
-    const std::size_t sent = socket_.write_some(asio::buffer(queue_), error);
+    const std::size_t sent = socket_.write_some(asio::buffer(queue_.data() + sent_, queue_.size() - sent_), error);
     if (error && error != asio::error::would_block && error != asio::error::try_again) {
       return end(describe_disconnect(error.value()));
     }
-    if (!error) queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(sent));
+    if (!error) sent_ += sent;
+    // Moved to the front now and then only: a long queue is not copied for every piece that leaves it.
+    if (sent_ >= queue_.size() / 2) {
+      queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(sent_));
+      sent_ = 0;
+    }
     if (!queue_.empty()) wait_writable();
   }
 
@@ -139,7 +144,9 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
   bool writing_ = false;
   kernel::EventId grace_ = 0;
   std::array<std::uint8_t, kBytesPerWakeUp> in_{};
+  std::size_t max_queued_;
   Bytes queue_;
+  std::size_t sent_ = 0;  // of the queue's front
 };
 
 namespace {
@@ -191,10 +198,10 @@ bool ConnectionTable::has_room() {
 void ConnectionTable::add(const std::shared_ptr<SocketSession>& session) { sessions_.push_back(session); }
 
 std::unique_ptr<ByteStream> make_socket_stream(EventLoop& loop, asio::generic::stream_protocol::socket socket,
-                                               std::string name, ConnectionTable* table) {
+                                               std::string name, ConnectionTable* table, std::size_t max_queued) {
   asio::error_code ignored;
   socket.non_blocking(true, ignored);
-  auto session = std::make_shared<SocketSession>(loop, std::move(socket), std::move(name));
+  auto session = std::make_shared<SocketSession>(loop, std::move(socket), std::move(name), max_queued);
   if (table != nullptr) table->add(session);
   return std::make_unique<SocketStream>(std::move(session));
 }

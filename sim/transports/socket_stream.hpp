@@ -37,8 +37,10 @@ class ConnectionTable {
   std::vector<std::weak_ptr<SocketSession>> sessions_;
 };
 
-// Takes a connected socket; table may be null. The stream starts to read when its handlers are set.
+// Takes a connected socket; table may be null. The stream starts to read when its handlers are set. A peer that leaves
+// more than max_queued bytes unread is disconnected.
 std::unique_ptr<ByteStream> make_socket_stream(EventLoop& loop, asio::generic::stream_protocol::socket socket,
-                                               std::string name, ConnectionTable* table);
+                                               std::string name, ConnectionTable* table,
+                                               std::size_t max_queued = ByteStream::kMaxQueuedBytes);
 
 }  // namespace vinv::transports

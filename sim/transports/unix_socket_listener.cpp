@@ -49,8 +49,8 @@ struct UnixSocketListener::Impl : AcceptLoop<Impl, Protocol> {
   void take(Protocol::socket socket) {
     if (!table.has_room()) return;
     const auto handler = on_accept;
-    handler(loop.now(),
-            make_socket_stream(loop, std::move(socket), path + " client " + std::to_string(++accepted), &table));
+    handler(loop.now(), make_socket_stream(loop, std::move(socket), path + " client " + std::to_string(++accepted),
+                                           &table, kMaxQueuedBytes));
   }
 
   ConnectionTable table;

@@ -13,7 +13,9 @@ namespace vinv::transports {
 
 class UnixSocketListener {
  public:
-  static constexpr std::size_t kMaxConnections = 32;
+  static constexpr std::size_t kMaxConnections = 128;
+  // Of each connection: whoever connects is the user of this process, and one answer may be long.
+  static constexpr std::size_t kMaxQueuedBytes = 8 * 1024 * 1024;
   static constexpr std::size_t kMaxPathBytes = 107;  // unix(7): sun_path with its final zero
 
   // A socket file that nobody answers is left over from a crash and is replaced; one that answers, and anything that is

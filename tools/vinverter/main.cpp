@@ -1,10 +1,15 @@
 // vinverter: runs a plant of virtual inverters, and talks to one that runs.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/rig/plant_file.hpp"
+#include "sim/rig/words.hpp"
 #include "tools/vinverter/subcommands.hpp"
 #include "vinverter_data.hpp"
 
@@ -52,6 +57,15 @@ int main(int argc, char** argv) {
   app.add_subcommand("schema", "Print the JSON Schema of plant files")->callback([] {
     std::fwrite(tools::data::PLANT_SCHEMA.data(), 1, tools::data::PLANT_SCHEMA.size(), stdout);
   });
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    fmt::print(stderr, "vinverter: unknown command \"{}\"; {} `vinverter --help` explains them.\n", argv[1],
+               rig::allowed_words(argv[1], known));
+    return tools::kUnusable;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

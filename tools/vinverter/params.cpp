@@ -48,13 +48,18 @@ std::string csv_cell(std::string_view text) {
   return out + "\"";
 }
 
+// Pr.902 means both halves, Pr.902.1 and Pr.902.2.
+bool is_named(const std::string& name, const std::string& wanted) {
+  return lower(name) == lower(wanted) || lower(name).starts_with(lower(wanted) + ".");
+}
+
 // "Pr.7" and "7" mean the parameter; anything else is looked for in all texts.
 bool matches(const inverter::ParameterInfo& p, const std::string& filter) {
   if (filter.empty()) return true;
   const std::string name = name_of(p);
   if (std::all_of(filter.begin(), filter.end(), [](unsigned char c) { return std::isdigit(c) || c == '.'; }))
-    return name == "Pr." + filter;
-  if (lower(filter).starts_with("pr.")) return lower(name) == lower(filter);
+    return is_named(name, "pr." + filter);
+  if (lower(filter).starts_with("pr.")) return is_named(name, filter);
   return lower(fmt::format("{} {} {}", p.name, p.effect, p.source)).find(lower(filter)) != std::string::npos;
 }
 

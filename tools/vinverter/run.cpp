@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sim/rig/live_plant.hpp"
+#include "sim/rig/words.hpp"
 #include "tools/vinverter/subcommands.hpp"
 #include "vinverter_data.hpp"
 
@@ -21,6 +22,14 @@ struct RunOptions {
   double duration_s = 0;
   rig::LiveOptions live;
 };
+
+constexpr double kLongestDuration = 1e8;  // s, three years
+
+std::string is_duration(const std::string& text) {
+  double seconds = 0;
+  if (rig::parse_number(text, seconds) && seconds > 0 && seconds <= kLongestDuration) return {};
+  return "\"" + text + "\" is no duration; allowed: a number of seconds, more than 0, up to 100000000.";
+}
 
 void notice(const std::string& sentence) { fmt::print(stderr, "vinverter: {}\n", sentence); }
 
@@ -83,7 +92,7 @@ void add_run(CLI::App& app, int& exit_code) {
                   "Folder of control socket and pseudo-terminal names; default: $XDG_RUNTIME_DIR/vinverter/PLANT or "
                   "/tmp/vinverter-UID/PLANT");
   sub->add_option("--record-ip", options->live.record_ip, "Record all TCP traffic to this pcapng file");
-  sub->add_option("--duration", options->duration_s, "Stop after this many seconds")->check(CLI::PositiveNumber);
+  sub->add_option("--duration", options->duration_s, "Stop after this many seconds")->check(is_duration);
   sub->footer(
       "\nSIGINT or SIGTERM stop the plant; EEPROMs are stored, and how late events ran is printed.\n"
       "Exit codes: 0 stopped; 1 an EEPROM could not be stored; 2 the plant cannot start.");

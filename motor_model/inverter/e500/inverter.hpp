@@ -33,7 +33,7 @@ const FamilyData& family_data();
 class E500Inverter final : public Inverter, private port::DrivePort {
  public:
   // The model exists and the config is valid.
-  E500Inverter(const InverterConfig& config, const ModelRow& model);
+  E500Inverter(const InverterConfig& config, const ModelRow& model, ParameterStore store);
 
   void tick(Instant now) override;
   port::DrivePort& port() override { return *this; }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/e500/parameter_numbers.hpp"
@@ -91,14 +92,14 @@ const FamilyData& family_data() {
   return data;
 }
 
-E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model)
+E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model, ParameterStore store)
     : data_(family_data()),
       model_(model),
       option_fitted_(config.option_fitted),
       nominal_mains_v_rms_(nominal_mains(config, model)),
       brake_resistor_(config.brake_resistance_ohm > 0),
       mains_(config.mains.value_or(plant::MainsState{.voltage_v_rms = model.voltage_class_v})),
-      store_(data_.parameters, model),
+      store_(std::move(store)),
       plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {}
 
 // --- terminals ---
@@ -261,7 +262,15 @@ Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& c
     return Unexpected("mains: a " + model->model + " takes 0 to " +
                       std::to_string(static_cast<int>(1.5 * model->voltage_class_v)) + " V");
   }
-  return std::unique_ptr<Inverter>(std::make_unique<E500Inverter>(config, *model));
+  ParameterStore store(data.parameters, *model);
+  for (const auto& [name, value] : config.factory_values) {
+    const auto row = data.parameters.index(name);
+    if (!row) return Unexpected("factory value: there is no parameter " + name);
+    const auto raw = store.from_physical(*row, value);
+    if (!raw) return Unexpected("factory value: " + raw.error());
+    store.set_factory(*row, *raw);
+  }
+  return std::unique_ptr<Inverter>(std::make_unique<E500Inverter>(config, *model, std::move(store)));
 }
 
 }  // namespace vinv::inverter::e500

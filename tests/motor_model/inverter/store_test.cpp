@@ -31,6 +31,19 @@ TEST(ParameterStore, RamOnlyWritesAreGoneAfterReload) {
   EXPECT_EQ(store.value(8), 20);
 }
 
+TEST(ParameterStore, AFactoryValueOfTheUnitOutlastsAllClearsAndALostEeprom) {
+  auto store = make_store();
+  store.set_factory(row_of(345), 5);
+  EXPECT_EQ(store.value(345), 5);
+  store.write(row_of(345), 12, Storage::kRamAndEeprom);
+  store.clear(ClearKind::kAllClear);
+  EXPECT_EQ(store.value(345), 5);
+  store.write(row_of(345), 12, Storage::kRamAndEeprom);
+  store.clear_to_factory();
+  EXPECT_EQ(store.value(345), 5);
+  EXPECT_EQ(store.eeprom_raw(row_of(345)), 5);
+}
+
 TEST(ParameterStore, SpecialsReadAsTheyArePrinted) {
   auto store = make_store();
   EXPECT_EQ(store.value(19), 8888);

@@ -89,6 +89,17 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
   EXPECT_EQ(bad("status", {}, ""), "-32602 the drive is missing; allowed: a, bare.");
   EXPECT_EQ(bad("stauts", {}).substr(0, 35), "-32601 unknown command \"stauts\"; al");
   EXPECT_EQ(bad("stop", "now"), "-32602 stop takes no value.");
+  EXPECT_EQ(bad("status", "all"), "-32602 status takes no value.");
+  EXPECT_EQ(bad("names", "all"), "-32602 names takes no value.");
+}
+
+TEST_F(CommandsTest, ARefusedTerminalLeavesTheOthersAsTheyWere) {
+  good("terminal", {{"RH", "on"}});
+  bad("terminal", {{"RH", "off"}, {"STF", "on"}, {"XX", "on"}});
+  bad("terminal", {{"RH", "off"}, {"STF", "on"}, {"STR", "maybe"}});
+  const Json terminals = good("status", {})["terminals"];
+  EXPECT_EQ(terminals["RH"], true);
+  EXPECT_EQ(terminals["STF"], false);
 }
 
 TEST_F(CommandsTest, RunAndStopGoTheWayOfTheOperationMode) {

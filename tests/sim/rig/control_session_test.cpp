@@ -15,8 +15,14 @@ class ControlSessionTest : public testing::Test {
         plant_(parse_plant_file("drives:\n  - name: a\n", "p.yaml", catalogue_), scheduler_,
                PlantOptions{.catalogue = catalogue_, .stored_eeprom = {}, .damaged_eeprom = {}, .clock = {}}),
         session_(plant_) {}
+  void take(const std::string& text) {
+    session_.take_bytes(ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  }
   std::string send(const std::string& text) {
-    return session_.handle_bytes(ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+    take(text);
+    std::string answers;
+    while (session_.has_work()) answers += session_.execute_next();
+    return answers;
   }
   int code(const std::string& line) {
     const std::string answer = send(line + "\n");
@@ -96,6 +102,48 @@ TEST_F(ControlSessionTest, AnEndlessLineIsRefusedAndEndsTheSession) {
   EXPECT_EQ(Json::parse(answer)["error"]["code"], -32600);
   EXPECT_TRUE(session_.broken());
   EXPECT_EQ(send("\n{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"list\"}\n"), "");
+}
+
+TEST_F(ControlSessionTest, OneRequestIsExecutedAtATimeAlsoInABatch) {
+  const std::string lock = R"({"jsonrpc":"2.0","id":1,"method":"shaft","params":{"drive":"a","value":"locked"}})";
+  const std::string unlock = R"({"jsonrpc":"2.0","id":2,"method":"shaft","params":{"drive":"a","value":"free"}})";
+  const auto locked = [&] { return dynamic_cast<test::FakeInverter&>(*plant_.drives()[0]->inverter).shaft_locked; };
+  take("[" + lock + "," + unlock + "]\n" + lock + "\n");
+  EXPECT_FALSE(locked());
+  EXPECT_EQ(session_.execute_next(), "");
+  EXPECT_TRUE(locked());
+  EXPECT_EQ(Json::parse(session_.execute_next()).size(), 2u);
+  EXPECT_FALSE(locked());
+  EXPECT_EQ(Json::parse(session_.execute_next())["id"], 1);
+  EXPECT_TRUE(locked());
+  EXPECT_FALSE(session_.has_work());
+}
+
+TEST_F(ControlSessionTest, RequestsThatPileUpWithoutEndAreExecutedUpToTheLimitAndEndTheSession) {
+  const std::string request = R"({"jsonrpc":"2.0","id":1,"method":"shaft","params":{"drive":"a","value":"locked"}})";
+  const std::size_t fit = ControlSession::kMaxWaitingBytes / request.size();
+  for (std::size_t i = 0; i < fit; ++i) take(request + "\n");
+  EXPECT_FALSE(session_.broken());
+  take(request + "\n");
+  EXPECT_TRUE(session_.broken());
+  const std::string answers = send(request + "\n");
+  EXPECT_EQ(std::count(answers.begin(), answers.end(), '\n'), static_cast<std::ptrdiff_t>(fit + 2));
+  EXPECT_NE(answers.find("-32600"), std::string::npos);
+}
+
+TEST_F(ControlSessionTest, TheServerLetsEventsThatAreDuePassBetweenTwoRequests) {
+  ControlServer server(plant_);
+  const auto far = std::make_shared<test::FakeStream::Far>();
+  server.accept(scheduler_.now(), std::make_unique<test::FakeStream>(far));
+  std::size_t answered_before_tick = 0;
+  scheduler_.schedule(scheduler_.now(), kernel::Priority::kDrive,
+                      [&](Instant) { answered_before_tick = far->sent.size(); });
+  std::string requests;
+  for (int i = 0; i < 10; ++i) requests += "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"list\"}\n";
+  far->on_bytes(scheduler_.now(), Bytes(requests.begin(), requests.end()), false);
+  scheduler_.run_until(scheduler_.now() + std::chrono::milliseconds(1));
+  EXPECT_EQ(answered_before_tick, 1u);
+  EXPECT_EQ(far->sent.size(), 10u);
 }
 
 TEST_F(ControlSessionTest, TheServerClosesABrokenSessionAndKeepsTheOthers) {

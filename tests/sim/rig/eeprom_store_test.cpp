@@ -77,7 +77,27 @@ TEST_F(EepromStoreTest, AFailedWriteLeavesTheOldFileAndIsTold) {
   store.store("a", "better");
   EXPECT_NE(store.flush().find("a.eeprom.new cannot be written"), std::string::npos);
   EXPECT_EQ(store.load("a"), "good");
-  EXPECT_EQ(store.flush(), "") << "a failure is told once";
+  EXPECT_EQ(store.take_failure(), "") << "a failure is told once";
+  EXPECT_NE(store.flush().find("a.eeprom.new cannot be written"), std::string::npos) << "and again at the next attempt";
+}
+
+TEST_F(EepromStoreTest, WhatCouldNotBeWrittenIsWrittenWhenThereIsRoomAgain) {
+  EepromStore store(folder_);
+  const std::string obstacle = folder_ + "/a.eeprom.new";
+  ASSERT_EQ(::mkdir(obstacle.c_str(), 0700), 0);
+  store.store("a", "first");
+  EXPECT_NE(store.flush(), "");
+  ASSERT_EQ(::rmdir(obstacle.c_str()), 0);
+  store.store("b", "other");
+  EXPECT_EQ(store.flush(), "");
+  EXPECT_EQ(store.load("a"), "first");
+
+  ASSERT_EQ(::mkdir(obstacle.c_str(), 0700), 0);
+  store.store("a", "second");
+  EXPECT_NE(store.flush(), "");
+  ASSERT_EQ(::rmdir(obstacle.c_str()), 0);
+  EXPECT_EQ(store.flush(), "");
+  EXPECT_EQ(store.load("a"), "second");
 }
 
 TEST_F(EepromStoreTest, AFileThatCannotBeReadIsNotTakenForNone) {

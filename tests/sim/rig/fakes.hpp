@@ -38,7 +38,9 @@ class FakePort : public port::DrivePort {
 class FakeInverter : public inverter::Inverter {
  public:
   FakeInverter(const inverter::InverterConfig& config, Journal& journal)
-      : config_(config), journal_(journal), plant_(plant_config(config)) {}
+      : config_(config), journal_(journal), plant_(plant_config(config)) {
+    for (const auto& [name, value] : config.factory_values) parameters_[name] = value;
+  }
 
   void tick(Instant now) override {
     journal_.push_back(config_.model + " tick " + std::to_string(to_ns(now) / 1000000));

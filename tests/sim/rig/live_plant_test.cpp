@@ -121,6 +121,25 @@ TEST_F(LivePlantTest, TheReadyTextNamesEveryEndpointAndTheyAnswer) {
   EXPECT_FALSE(fs::is_symlink(folder_ + "/run/a.tty"));
 }
 
+TEST_F(LivePlantTest, TheAnswerToTheLongestBatchArrivesWhole) {
+  serve(kPlant, [&](LivePlant&, const Json& ready) {
+    Json batch = Json::array();
+    for (std::size_t i = 0; i < ControlSession::kMaxBatch; ++i)
+      batch.push_back({{"jsonrpc", "2.0"}, {"id", i}, {"method", "parameters"}, {"params", {{"drive", "a"}}}});
+    const Json answers = Json::parse(ask_control(ready["control"], batch.dump()), nullptr, false);
+    ASSERT_EQ(answers.size(), ControlSession::kMaxBatch);
+    EXPECT_EQ(answers.back()["id"], ControlSession::kMaxBatch - 1);
+  });
+}
+
+TEST_F(LivePlantTest, AnIpv6AddressStandsInBracketsBeforeItsPort) {
+  serve("drives:\n  - board: { node: 5, modbus_rtu: none, modbus_tcp: \"[::1]:0\" }\n",
+        [&](LivePlant& live, const Json& ready) {
+          const std::string port = std::to_string(ready["drives"][0]["endpoints"][0]["port"].get<int>());
+          EXPECT_NE(live.table().find("[::1]:" + port + " unit 5"), std::string::npos) << live.table();
+        });
+}
+
 TEST_F(LivePlantTest, ParametersLastOverARestartUntilAFreshOne) {
   const auto pr7 = [](const Json& ready) {
     return Json::parse(ask_control(

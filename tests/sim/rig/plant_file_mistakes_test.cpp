@@ -190,7 +190,13 @@ TEST(PlantFileMistake, AMissingFileIsNamedWithTheReason) {
 
 TEST(PlantFileMistake, AFolderIsNoPlantFile) {
   test::Journal journal;
-  EXPECT_THROW(load_plant_file("/tmp", test::fake_catalogue(journal)), PlantFileError);
+  try {
+    load_plant_file("/tmp", test::fake_catalogue(journal));
+    FAIL();
+  } catch (const PlantFileError& e) {
+    EXPECT_STREQ(e.what(), "/tmp: is a folder; a plant file is a YAML text.");
+  }
+  EXPECT_THROW(load_plant_file("/dev/zero", test::fake_catalogue(journal)), PlantFileError) << "which never ends";
 }
 
 TEST(PlantFileMistake, AHugeFileIsRefusedUnread) {

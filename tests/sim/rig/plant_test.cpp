@@ -61,7 +61,7 @@ TEST_F(PlantTest, PowerReachesTheBoardAndDrivesThatAreOffStayOff) {
   EXPECT_EQ(journal_, (test::Journal{"FR-E540-1.5K power off", "board 1 power off"}));
 }
 
-TEST_F(PlantTest, ParametersAndNodeAreFirstValuesAndAStoredEepromWins) {
+TEST_F(PlantTest, ParametersAreFirstValuesANodeIsAFactoryValueAndAStoredEepromWins) {
   const char* text = "drives:\n  - name: a\n    board: { node: 17 }\n    parameters: { Pr.7: 2.5 }\n";
   {
     const auto p = plant(text);
@@ -71,11 +71,10 @@ TEST_F(PlantTest, ParametersAndNodeAreFirstValuesAndAStoredEepromWins) {
   eeproms_["a"] = "Pr.7: 9.5\n";
   const auto p = plant(text);
   EXPECT_DOUBLE_EQ(*p->drives()[0]->inverter->get_parameter("Pr.7"), 9.5);
-  EXPECT_DOUBLE_EQ(*p->drives()[0]->inverter->get_parameter("Pr.345"), 63) << "not preset over a stored EEPROM";
   EXPECT_TRUE(damaged_.empty());
 }
 
-TEST_F(PlantTest, ADamagedEepromIsReportedAndOnlyTheNodeIsPresetOverFactoryValues) {
+TEST_F(PlantTest, ADamagedEepromIsReportedAndFactoryValuesCount) {
   eeproms_["a"] = "garbage";
   const auto p = plant("drives:\n  - name: a\n    parameters: { Pr.7: 2.5 }\n");
   EXPECT_EQ(damaged_.at("a"), "line 1: no parameter.");

@@ -208,5 +208,15 @@ TEST(RealPlant, WhatTheDriveRefusesOfTheFileIsToldWithItsPlace) {
   EXPECT_TRUE(told(drive + "    board: { node: 120 }\n").starts_with("p.yaml:3:20: drive_1: "));
 }
 
+TEST(RealPlant, AllClearLeavesADriveAtTheNodeOfThePlantFile) {
+  Demo demo;
+  demo.start();
+  demo.command("conveyor_1", "mode", "PU");
+  demo.command("conveyor_1", "parameter", {{"Pr.345", 12}, {"Pr.7", 3}});
+  demo.command("conveyor_1", "parameter", {{"ALLC", 1}});
+  EXPECT_DOUBLE_EQ(*demo.plant.find("conveyor_1")->inverter->get_parameter("Pr.345"), 5);
+  EXPECT_DOUBLE_EQ(*demo.plant.find("conveyor_1")->inverter->get_parameter("Pr.7"), 5);
+}
+
 }  // namespace
 }  // namespace vinv::rig
