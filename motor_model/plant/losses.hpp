@@ -9,4 +9,7 @@ namespace vinv::plant {
 // W per Wb^2 of |psi_s|^2 at this frequency (either sign).
 double iron_loss_coefficient(const MachineParameters& machine, const LossSettings& losses, double frequency_hz);
 
+// Of the apparent output power, at this carrier.
+double inverter_loss_fraction(const LossSettings& losses, double carrier_hz);
+
 }  // namespace vinv::plant

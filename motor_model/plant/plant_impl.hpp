@@ -16,6 +16,9 @@ struct PowerPlant::Impl {
   void set_load(const LoadSettings& next);
   void set_shaft_locked(bool locked);
   void set_ambient(double ambient);
+  void set_carrier(double carrier);
+  void set_cooling(double factor);
+  void take_inverter_loss();             // carrier and cooling into the model
 
   // One advance().
   Events advance(Duration dt);
@@ -42,6 +45,8 @@ struct PowerPlant::Impl {
   // Inputs as held.
   PlantConfig config;  // load, mains and ambient inside follow the inputs
   StageInput stage;
+  double carrier_hz = kReferenceCarrier_hz;
+  double cooling_factor = 1;
   bool stage_jumps = true;  // frequency or voltage step to the new value instead of ramping
 
   PlantModel model;

@@ -44,7 +44,7 @@ PowerPlant::Impl::Impl(PlantConfig config_in, SolverSettings solver_settings) : 
   model.load.mode = mode_for(config.load, config.losses, 0);
   model.link = DcLink(config.dc_link, config.losses.standby_w, nominal);
   model.thermal = Thermal(config.thermal, config.machine, config.ambient_c);
-  model.inverter_loss_fraction = config.losses.inverter_loss_fraction;
+  take_inverter_loss();
   levels = switch_levels(config, stage);
   solver = make_solver(ode_system(model), solver_settings);
   std::fill_n(y(), state::kStates, 0.0);
@@ -248,6 +248,8 @@ void PowerPlant::set_mains(const MainsState& mains) { impl_->set_mains(mains); }
 void PowerPlant::set_load(const LoadSettings& load) { impl_->set_load(load); }
 void PowerPlant::set_shaft_locked(bool locked) { impl_->set_shaft_locked(locked); }
 void PowerPlant::set_ambient(double ambient_c) { impl_->set_ambient(ambient_c); }
+void PowerPlant::set_carrier(double carrier_hz) { impl_->set_carrier(carrier_hz); }
+void PowerPlant::set_cooling(double resistance_factor) { impl_->set_cooling(resistance_factor); }
 PowerPlant::Events PowerPlant::advance(Duration dt) { return impl_->advance(dt); }
 const PlantMeasurements& PowerPlant::measurements() const { return impl_->measurements; }
 const EnergyCounters& PowerPlant::energy() const { return impl_->energy; }

@@ -46,11 +46,13 @@ std::vector<std::string_view> machine_names();
 
 struct LossSettings {
   double iron_loss_w_at_rated = 0;        // at rated voltage and frequency; drawn from the DC link while magnetised
-  double inverter_loss_fraction = 0;      // of the apparent output power
+  double inverter_loss_fraction = 0;      // of the apparent output power, at the reference carrier
+  double inverter_switching_share = 0;    // of that loss; this part grows with the carrier frequency
   double standby_w = 0;                   // control supply from the DC link
   double viscous_nm_s = 0;                // friction torque = viscous * omega_mech
   double coulomb_nm = 0;                  // dry friction, opposes rotation
 };
+inline constexpr double kReferenceCarrier_hz = 1000;
 // What a real drive of this motor's size has, typical for the family (losses.cpp says which numbers).
 LossSettings typical_losses(const MachineParameters& machine);
 
@@ -200,6 +202,11 @@ class PowerPlant {
   void set_load(const LoadSettings& load);
   void set_shaft_locked(bool locked);
   void set_ambient(double ambient_c);
+  // Carrier of the pulse-width modulation; kReferenceCarrier_hz until set. Above 0.
+  void set_carrier(double carrier_hz);
+  // Thermal resistance of the heat sink as a multiple of the configured one: 1 with the fan running. Its heat capacity
+  // stays, so it also cools down slower. At least 1. Does not disturb the solver.
+  void set_cooling(double resistance_factor);
 
   // Integrates dt further with the inputs held; any dt. Returns the comparator events in time order, at most
   // kMaxEvents; after an event the gates stay shut until the owner has set gates_on = false once. Gates that come on

@@ -121,6 +121,24 @@ void PowerPlant::Impl::set_ambient(double ambient) {
   model.thermal.ambient_c = ambient;  // against time constants of minutes: no jump
 }
 
+void PowerPlant::Impl::set_carrier(double carrier) {
+  if (carrier == carrier_hz) return;
+  carrier_hz = carrier;
+  take_inverter_loss();
+  anew = true;
+}
+
+void PowerPlant::Impl::set_cooling(double factor) {
+  if (factor == cooling_factor) return;
+  cooling_factor = factor;  // against a time constant of minutes: no jump
+  take_inverter_loss();
+}
+
+void PowerPlant::Impl::take_inverter_loss() {
+  model.inverter_loss_fraction = inverter_loss_fraction(config.losses, carrier_hz);
+  model.thermal.set_cooling(config.thermal, cooling_factor);
+}
+
 // Called at a point of the table, or when the table is new: the torque line from time on.
 void PowerPlant::Impl::enter_table_segment() {
   constexpr double kFarS = 1e9;

@@ -76,6 +76,8 @@ void visit(Pass& pass, Impl& p) {
   pass.value(p.config.mains.voltage_v_rms);
   for (auto& phase : p.config.mains.phase_present) pass.value(phase);
   pass.value(p.config.ambient_c);
+  pass.value(p.carrier_hz);
+  pass.value(p.cooling_factor);
   pass.value(p.config.load.inertia_kg_m2);
   pass.value(p.config.load.constant_nm);
   pass.value(p.config.load.linear_nm_s);
@@ -116,6 +118,7 @@ void PowerPlant::restore(const State& saved) {
   plant::set_load(p.model.load, p.config.load, p.config.losses, p.config.machine.inertia_kg_m2);
   p.enter_table_segment();
   p.model.thermal.ambient_c = p.config.ambient_c;
+  p.take_inverter_loss();
   p.take_stage_levels();
   p.end_stage_way();
   p.refresh_rectifier();

@@ -19,6 +19,11 @@ struct Thermal {
         heat_sink_rate(1 / s.heat_sink_time_constant_s),
         winding_k_per_a2(s.winding_rise_k_at_rated / (2 * machine.rated_current_a_rms * machine.rated_current_a_rms)),
         winding_rate(1 / s.winding_time_constant_s) {}
+
+  void set_cooling(const ThermalSettings& s, double resistance_factor) {
+    heat_sink_k_per_w = s.heat_sink_k_per_w * resistance_factor;
+    heat_sink_rate = 1 / (s.heat_sink_time_constant_s * resistance_factor);
+  }
 };
 
 inline double heat_sink_slope(const Thermal& t, double heat_sink_c, double inverter_loss_w) {

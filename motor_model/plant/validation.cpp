@@ -123,6 +123,7 @@ Refusal check_losses(const PlantConfig& c) {
   return first({
       check_range("iron_loss_w_at_rated", l.iron_loss_w_at_rated, 0, 0.5 * power, "W"),
       check_range("inverter_loss_fraction", l.inverter_loss_fraction, 0, 0.5, ""),
+      check_range("inverter_switching_share", l.inverter_switching_share, 0, 1, ""),
       check_range("standby_w", l.standby_w, 0, std::max(100.0, 0.5 * power), "W"),
       check_range("viscous_nm_s", l.viscous_nm_s, 0, torque / omega, "Nm s"),
       check_range("coulomb_nm", l.coulomb_nm, 0, torque, "Nm"),

@@ -17,6 +17,10 @@ constexpr double kPeriod_s = to_seconds(Inverter::kControlPeriod);
 constexpr double kCurrentMonitor_s = 0.1;  // filter of the current monitor
 constexpr double kAmFullScale_v = 10;
 constexpr std::int64_t kHourMeterSaved_s = 3600;
+// Fan: all typical for the family. While stopped with Pr.244 = 1 it runs only until the heat sink has cooled down.
+constexpr double kResistanceInStillAir = 3;  // of the heat sink's with the fan
+constexpr double kFanOn_c = 60;
+constexpr double kFanOff_c = 50;
 
 std::uint16_t to_word(double value) { return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 65535L)); }
 
@@ -35,6 +39,8 @@ void E500Inverter::tick(Instant now) {
     stage = control();
   }
   plant_.set_stage(stage);
+  plant_.set_carrier(settings_.carrier_hz);
+  plant_.set_cooling(v_.published.fan ? 1 : kResistanceInStillAir);
   events_ = plant_.advance(kControlPeriod);
   publish();
 }
@@ -247,7 +253,7 @@ void E500Inverter::publish() {
     default: share = ratio(std::abs(out.output_frequency_hz), store_.value(pr::kFrequencyFullScale));
   }
   p.am_v = std::clamp(share * kAmFullScale_v * store_.value(pr::kAmCalibration) / 100, 0.0, kAmFullScale_v);
-  p.fan = store_.integer(pr::kFan) == 0 || m.gates_on;
+  p.fan = store_.integer(pr::kFan) == 0 || m.gates_on || m.heat_sink_c > (p.fan ? kFanOff_c : kFanOn_c);
 
   if (p.status.running) v_.operating_s += kPeriod_s;
   if (v_.operating_s >= kHourMeterSaved_s) {

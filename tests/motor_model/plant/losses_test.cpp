@@ -106,6 +106,28 @@ TEST_P(PowerBalance, MeasuredPowersAgreeInSteadyState) {
   EXPECT_NEAR(m.output_power_w, m.shaft_power_w + copper + friction, 1e-3 * m.output_power_w);
 }
 
+TEST_P(PowerBalance, ClosesWhereCarrierAndCoolingChange) {
+  PlantConfig config = real_2k2();
+  config.load.constant_nm = 10;
+  PowerPlant plant = make(config);
+  charge(plant);
+  ramp(plant, 0, 50, 2s);
+  run(plant, 1s);
+  const auto loss_w = [&] {
+    const double before = plant.energy().inverter_j;
+    run(plant, 1s);
+    return plant.energy().inverter_j - before;
+  };
+  const double at_1_khz = loss_w();
+  plant.set_cooling(3);
+  plant.set_carrier(14'500);
+  EXPECT_NEAR(loss_w(), 2.35 * at_1_khz, 0.01 * at_1_khz);
+  EXPECT_LT(imbalance(plant), 1e-3);
+  plant.set_carrier(700);
+  EXPECT_NEAR(loss_w(), 0.97 * at_1_khz, 0.01 * at_1_khz);
+  EXPECT_LT(imbalance(plant), 1e-3);
+}
+
 std::string solver_name(const testing::TestParamInfo<SolverChoice>& parameter) {
   switch (parameter.param) {
     case SolverChoice::kErk: return "Erk";
@@ -167,6 +189,30 @@ TEST(TypicalLosses, LieInTheBandsOfRealDrives) {
   // The measured 18.5 kW motor: 410 W iron, 180 W friction.
   const LossSettings measured = typical_losses(*find_machine("modelica_imc_18k5"));
   EXPECT_NEAR(measured.iron_loss_w_at_rated, 410, 0.25 * 410);
+}
+
+TEST(HeatSink, WithoutFanItIsHotterAndCoolsSlowerByTheSameFactor) {
+  PlantConfig config = lossless_2k2();
+  config.losses.inverter_loss_fraction = 0.03;
+  config.thermal.heat_sink_k_per_w = 0.3;
+  config.thermal.heat_sink_time_constant_s = 5;
+  config.load.constant_nm = 10;
+  PowerPlant plant(config);
+  charge(plant);
+  ramp(plant, 0, 50, 1s);
+  const auto& m = plant.measurements();
+  run(plant, 60s);
+  const double rise_k = m.heat_sink_c - 25;
+  EXPECT_GT(rise_k, 10);
+  const auto restarts = plant.reinitialisations();
+  plant.set_cooling(3);
+  run(plant, 15s);
+  EXPECT_NEAR(m.heat_sink_c - 25, rise_k * (3 - 2 / std::numbers::e), 0.02 * rise_k);
+  EXPECT_EQ(plant.reinitialisations(), restarts);
+  plant.set_stage({});
+  const double hot_k = m.heat_sink_c - 25;
+  run(plant, 15s);
+  EXPECT_NEAR(m.heat_sink_c - 25, hot_k / std::numbers::e, 0.02 * hot_k);
 }
 
 TEST(TypicalLosses, IronLossIsTheSettingAtRatedVoltageAndFrequency) {

@@ -32,6 +32,8 @@ void disturb(PowerPlant& plant, int tick) {
   if (tick == 1200) plant.set_shaft_locked(true);
   if (tick == 1230) plant.set_shaft_locked(false);
   if (tick == 1300) plant.set_ambient(40);
+  if (tick == 1350) plant.set_carrier(8000);
+  if (tick == 1350) plant.set_cooling(2);
 }
 
 std::string bytes_of(const PowerPlant& plant) {

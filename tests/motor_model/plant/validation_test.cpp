@@ -129,6 +129,7 @@ TEST(Validation, PlantsThatCannotWorkAreRefusedWithTheReason) {
       {"load", [](C& c) { c.load.constant_nm = -1; }, "constant_nm", "hoist_nm"},
       {"iron", [](C& c) { c.losses.iron_loss_w_at_rated = 2000; }, "iron_loss_w_at_rated is 2000 W", "1100 W"},
       {"inverter", [](C& c) { c.losses.inverter_loss_fraction = 3; }, "inverter_loss_fraction is 3", "0.5"},
+      {"switching", [](C& c) { c.losses.inverter_switching_share = 2; }, "inverter_switching_share is 2", "between"},
       {"standby", [](C& c) { c.losses.standby_w = -1; }, "standby_w is -1 W", "between"},
       {"viscous", [](C& c) { c.losses.viscous_nm_s = 5; }, "viscous_nm_s is 5", "between"},
       {"coulomb", [](C& c) { c.losses.coulomb_nm = 50; }, "coulomb_nm is 50 Nm", "between"},
