@@ -71,6 +71,7 @@ struct DriveSettings {
   // shortest acceleration/deceleration
   bool shortest_acceleration = false;  // ramp as fast as the stall level (or the reference below) allows
   bool shortest_deceleration = false;
+  bool shortest_watches_link = true;  // the deceleration slows down ahead of an over-voltage; not with a brake resistor
   double shortest_current_acceleration_a_rms = 0;
   double shortest_current_deceleration_a_rms = 0;
   // stop selection

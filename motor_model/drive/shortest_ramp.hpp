@@ -3,6 +3,7 @@
 #pragma once
 
 #include "motor_model/drive/drive_types.hpp"
+#include "motor_model/drive/filters.hpp"
 #include "motor_model/drive/ramp_generator.hpp"
 
 namespace vinv::drive {
@@ -13,12 +14,14 @@ class ShortestRamp {
   // stall_level_a_rms is the reference where none is set (0: rated current * 1.5).
   RampTimes step(double dt_s, const DriveSettings& settings, const RampTimes& times, Motion motion,
                  double current_a_rms, double dc_link_v, double stall_level_a_rms);
-  void release() { rate_hz_s_ = kFirstRate_hz_s; }
+  void release() { *this = ShortestRamp{}; }
 
  private:
   // Slow enough for a large inertia at once, quick enough that a small one needs few hundred milliseconds.
   static constexpr double kFirstRate_hz_s = 10;
   double rate_hz_s_ = kFirstRate_hz_s;
+  double last_dc_link_v_ = 0;
+  FirstOrderLag link_rise_v_s_;
 };
 
 }  // namespace vinv::drive

@@ -44,6 +44,7 @@ void set_ramps(drive::DriveSettings& s, const ParameterStore& p, const SettingsS
     const double reference = or_else(p, pr::kShortestReference, s.rated_current_a_rms);
     const double percent = mode % 10 == 2 ? 180 : 150;
     s.shortest_acceleration = s.shortest_deceleration = true;
+    s.shortest_watches_link = mode < 10;
     s.shortest_current_acceleration_a_rms = reference * or_else(p, pr::kShortestAcceleration, percent) / 100;
     s.shortest_current_deceleration_a_rms = reference * or_else(p, pr::kShortestDeceleration, percent) / 100;
   }

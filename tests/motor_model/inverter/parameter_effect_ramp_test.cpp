@@ -120,6 +120,18 @@ TEST(ParameterEffect, Pr60ShortensTheRamps) {
   EXPECT_LT(shortest({{"Pr.60", 11}}, true), 5);
 }
 
+TEST(ParameterEffect, Pr60MindsTheDcLinkWithoutABrakeResistor) {
+  for (const auto& [pr60, alarm] : {std::pair{1.0, ""}, {2.0, ""}, {11.0, "E.OV3"}, {12.0, "E.OV3"}}) {
+    Bench b = drive_with({{"Pr.60", pr60}, {"Pr.22", 200}}, loaded(0.05));
+    start(b, 50);
+    seconds_to_reach(b, 50);
+    b.run(1);
+    stop(b);
+    b.run_until([&] { return !b.port().status().running; }, 30);
+    EXPECT_EQ(b->alarm_name(), alarm) << pr60;
+  }
+}
+
 TEST(ParameterEffect, Pr61ToPr63AreTheCurrentsOfTheShortestRamps) {
   const double up = shortest({{"Pr.60", 11}}, false);
   EXPECT_GT(shortest({{"Pr.60", 11}, {"Pr.61", 2.8}}, false), up * 1.2);  // 70 % of the rated current
