@@ -196,7 +196,7 @@ TEST(ParameterEffect, Pr250SelectsRampOrCoastingAndWhatStrMeans) {
                         {0.7, true, true, 0.7},     {1000, false, true, 0.001},  {1000.7, false, true, 0.7}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.pr250);
-    Bench b = drive_with({{"Pr.250", c.pr250}});
+    Bench b = drive_with({{"Pr.250", c.pr250}, {"Pr.156", 8}});  // the bare ramp, without stall prevention
     b.terminal("RM");
     b.terminal("STR");
     b.run(1.2);
