@@ -73,7 +73,7 @@ TEST(ParameterEffect, Pr156SelectsWhereStallPreventionActs) {
     Bench b = drive_with({{"Pr.156", pr156}, {"Pr.7", 2}, {"Pr.9", 0}});
     start(b, 50);
     b.run(3);
-    b->set_load(torque(17));
+    b->set_load(torque(20));
     Seen s;
     for (int i = 0; i < 1500; ++i) {
       b.tick();
