@@ -193,7 +193,7 @@ TEST(ParameterEffect, Pr250SelectsRampOrCoastingAndWhatStrMeans) {
     double off_after_s;  // from the stop command to the end of RUN
   };
   const Case cases[] = {{9999, true, false, 0.27}, {8888, false, false, 0.27}, {0, true, true, 0.001},
-                        {0.7, true, true, 0.7},     {1000, false, true, 0.001},  {1000.7, false, true, 0.7}};
+                        {0.7, true, true, 0.7},    {1000, false, true, 0.001}, {1000.7, false, true, 0.7}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.pr250);
     Bench b = drive_with({{"Pr.250", c.pr250}, {"Pr.8", 0.5}});
