@@ -192,11 +192,11 @@ TEST(ParameterEffect, Pr250SelectsRampOrCoastingAndWhatStrMeans) {
     bool coasts;
     double off_after_s;  // from the stop command to the end of RUN
   };
-  const Case cases[] = {{9999, true, false, 0.108}, {8888, false, false, 0.108}, {0, true, true, 0.001},
-                        {0.7, true, true, 0.7},     {1000, false, true, 0.001},  {1000.7, false, true, 0.7}};
+  const Case cases[] = {{9999, true, false, 0.27}, {8888, false, false, 0.27}, {0, true, true, 0.001},
+                        {0.7, true, true, 0.7},    {1000, false, true, 0.001}, {1000.7, false, true, 0.7}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.pr250);
-    Bench b = drive_with({{"Pr.250", c.pr250}, {"Pr.156", 8}});  // the bare ramp, without stall prevention
+    Bench b = drive_with({{"Pr.250", c.pr250}, {"Pr.8", 0.5}});
     b.terminal("RM");
     b.terminal("STR");
     b.run(1.2);
@@ -207,7 +207,7 @@ TEST(ParameterEffect, Pr250SelectsRampOrCoastingAndWhatStrMeans) {
     ASSERT_TRUE(runs_at(b, 30));
     EXPECT_TRUE(b.port().status().forward);
     b.terminal("STF", false);
-    EXPECT_NEAR(seconds_to_stop(b), c.off_after_s, 0.004);
+    EXPECT_NEAR(seconds_to_stop(b), c.off_after_s, 0.01);
     EXPECT_EQ(b.signal("speed") > 600, c.coasts) << b.signal("speed");
     if (c.str_alone_runs) continue;
     ASSERT_TRUE(b.run_until([&] { return std::abs(b.signal("speed")) < 5; }, 60));
