@@ -10,21 +10,21 @@ struct CanBridge::Impl {
   std::uint64_t lost = 0;
 };
 
-CanBridge::CanBridge(CanBus& bus, std::unique_ptr<CanPort> outside) : impl_(std::make_unique<Impl>()) {
+CanBridge::CanBridge(Instant now, CanBus& bus, std::unique_ptr<CanPort> outside) : impl_(std::make_unique<Impl>()) {
   Impl* const impl = impl_.get();
   CanNodeOptions options;
   options.name = "bridge to " + outside->name();
   options.queue_frames = kMaxQueuedFrames;
-  impl->inside = bus.attach(std::move(options));
+  impl->inside = bus.attach(now, std::move(options));
   impl->outside = std::move(outside);
   CanHandlers out;
-  out.on_frame = [impl](Instant now, const CanFrame& frame) {
-    if (impl->inside->send(now, frame) != CanSend::kQueued) ++impl->lost;
+  out.on_frame = [impl](Instant t, const CanFrame& frame) {
+    if (impl->inside->send(t, frame) != CanSend::kQueued) ++impl->lost;
   };
   impl->outside->set_handlers(std::move(out));
   CanHandlers in;
-  in.on_frame = [impl](Instant now, const CanFrame& frame) {
-    const CanSend result = impl->outside->send(now, frame);
+  in.on_frame = [impl](Instant t, const CanFrame& frame) {
+    const CanSend result = impl->outside->send(t, frame);
     if (result == CanSend::kRefusedFull || result == CanSend::kDroppedOldest) ++impl->lost;
   };
   impl->inside->set_handlers(std::move(in));

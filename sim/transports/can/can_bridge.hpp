@@ -17,7 +17,7 @@ class CanBridge {
   static constexpr std::size_t kMaxQueuedFrames = 512;
 
   // The bus outlives the bridge.
-  CanBridge(CanBus& bus, std::unique_ptr<CanPort> outside);
+  CanBridge(Instant now, CanBus& bus, std::unique_ptr<CanPort> outside);
   ~CanBridge();
   CanBridge(const CanBridge&) = delete;
   CanBridge& operator=(const CanBridge&) = delete;

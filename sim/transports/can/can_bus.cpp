@@ -32,8 +32,8 @@ CanBus::Impl::Impl(kernel::Scheduler& s, CanBusOptions o)
       next_sof_at(s.now()),
       recessive_since(s.now()) {}
 
-CanBus::Impl::NodePtr CanBus::Impl::attach(CanNodeOptions node_options) {
-  const Instant now = scheduler.now();
+CanBus::Impl::NodePtr CanBus::Impl::attach(Instant now, CanNodeOptions node_options) {
+  now = std::max(now, scheduler.now());
   if (phase == Phase::kLone) leave_lone(now);
   auto node = std::make_shared<CanNodeState>();
   node->options = std::move(node_options);
@@ -50,7 +50,13 @@ CanBus::Impl::NodePtr CanBus::Impl::attach(CanNodeOptions node_options) {
 void CanBus::Impl::detach(const NodePtr& node) {
   if (closed) return;
   const Instant now = scheduler.now();
-  if (phase == Phase::kLone) leave_lone(now);
+  // Its attempts leave with it; the leaving of others, who are bus off or offline, changes nothing for it.
+  if (phase == Phase::kLone && transmitters.front() == node) {
+    sync_lone(now);
+    phase = Phase::kFree;
+    node->first_is_on_wire = false;
+    transmitters.clear();
+  }
   node->attached = false;
   node->recovering = false;
   node->handlers.reset();
@@ -87,7 +93,10 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
   const CanVerdict verdict = judge.judge(frame, node->options.name);
   if (verdict.bus_off) {
     ++node->lost;
-    force_bus_off(now, node);
+    // In an event of its own, because send() does not call back.
+    scheduler.schedule(now, kernel::Priority::kWire, [weak = weak_from_this(), node](Instant t) {
+      if (const auto self = weak.lock()) self->force_bus_off(t, node);
+    });
     return CanSend::kRefusedState;
   }
   const CanSend result = put(*node, {frame, now + verdict.delay, verdict});
@@ -164,8 +173,8 @@ CanBus::CanBus(kernel::Scheduler& scheduler, CanBusOptions options) {
 
 CanBus::~CanBus() { impl_->close(); }
 
-std::unique_ptr<CanNode> CanBus::attach(CanNodeOptions options) {
-  return std::unique_ptr<CanNode>(new CanNode(impl_, impl_->attach(std::move(options))));
+std::unique_ptr<CanNode> CanBus::attach(Instant now, CanNodeOptions options) {
+  return std::unique_ptr<CanNode>(new CanNode(impl_, impl_->attach(now, std::move(options))));
 }
 
 void CanBus::observe(std::shared_ptr<CanBusObserver> observer) { impl_->observers.push_back(std::move(observer)); }

@@ -95,7 +95,7 @@ class CanBus {
   CanBus(const CanBus&) = delete;
   CanBus& operator=(const CanBus&) = delete;
 
-  std::unique_ptr<CanNode> attach(CanNodeOptions options);
+  std::unique_ptr<CanNode> attach(Instant now, CanNodeOptions options);
   void observe(std::shared_ptr<CanBusObserver> observer);
   void stop_observing(const CanBusObserver* observer);
   // From the next frame that a node sends; replaces the plan before it.

@@ -59,7 +59,7 @@ struct CanBus::Impl : std::enable_shared_from_this<Impl> {
   Impl(kernel::Scheduler& s, CanBusOptions o);
 
   // Operations on nodes.
-  NodePtr attach(CanNodeOptions node_options);
+  NodePtr attach(Instant now, CanNodeOptions node_options);
   void detach(const NodePtr& node);
   CanSend send(Instant now, const NodePtr& node, const CanFrame& frame);
   void set_online(Instant now, const NodePtr& node, bool online);

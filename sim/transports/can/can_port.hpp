@@ -48,13 +48,14 @@ class CanPort {
   virtual ~CanPort() = default;
   // Handlers may send, set other handlers or destroy ports, this one too.
   virtual void set_handlers(CanHandlers handlers) = 0;
-  // Never blocks. Frames of one port are sent in the order of their sending. The frame is well formed.
+  // Never blocks and calls no handler. Frames of one port are sent in the order of their sending. The frame is well formed.
   virtual CanSend send(Instant now, const CanFrame& frame) = 0;
   // Frames that send() takes now.
   virtual std::size_t queue_room() const = 0;
   // Throws away what waits; a frame that is on the wire already is completed.
   virtual void clear_queue() = 0;
-  // Off: hears, acknowledges and sends nothing, as without power. On again: the counters start from zero.
+  // Off: hears, acknowledges and sends nothing, as without power. On again: the counters start from zero. This and
+  // set_bitrate() tell on_state before they return.
   virtual void set_online(Instant now, bool online) = 0;
   // The reason if the bus has its bit rate from elsewhere.
   virtual Result<void, std::string> set_bitrate(Instant now, std::uint32_t bitrate) = 0;

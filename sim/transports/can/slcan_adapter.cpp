@@ -64,8 +64,8 @@ struct SlcanAdapter::Impl : std::enable_shared_from_this<Impl> {
                                              static_cast<std::uint8_t>(*registers));
         return kOk;
       }
-      case 'O': return open(argument, false);
-      case 'L': return open(argument, true);
+      case 'O': return open(now, argument, false);
+      case 'L': return open(now, argument, true);
       case 'C':
         if (!node || !argument.empty()) return kBell;
         node.reset();
@@ -85,18 +85,18 @@ struct SlcanAdapter::Impl : std::enable_shared_from_this<Impl> {
     }
   }
 
-  std::string open(std::string_view argument, bool listen_only) {
+  std::string open(Instant now, std::string_view argument, bool listen_only) {
     if (node || !argument.empty()) return kBell;
     CanNodeOptions options;
     options.name = "slcan " + stream->name();
     options.bitrate = bitrate;
     options.listen_only = listen_only;
     options.queue_frames = kMaxQueuedFrames;
-    node = bus.attach(std::move(options));
+    node = bus.attach(now, std::move(options));
     refused = false;
     CanHandlers handlers;
-    handlers.on_frame = [weak = weak_from_this()](Instant now, const CanFrame& frame) {
-      if (const auto self = weak.lock()) self->forward(now, frame);
+    handlers.on_frame = [weak = weak_from_this()](Instant t, const CanFrame& frame) {
+      if (const auto self = weak.lock()) self->forward(t, frame);
     };
     node->set_handlers(std::move(handlers));
     return kOk;

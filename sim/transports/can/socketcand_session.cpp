@@ -63,7 +63,7 @@ struct SocketcandSession::Impl : std::enable_shared_from_this<Impl> {
     CanNodeOptions node_options;
     node_options.name = "socketcand " + stream->name();
     node_options.queue_frames = kMaxQueuedFrames;
-    node = found->bus->attach(std::move(node_options));
+    node = found->bus->attach(now, std::move(node_options));
     const std::weak_ptr<Impl> weak = weak_from_this();
     CanHandlers handlers;
     handlers.on_frame = [weak](Instant t, const CanFrame& frame) {

@@ -27,7 +27,9 @@ inline std::string us(Instant t) { return std::to_string(to_ns(t) / 1000); }
 
 // Each line is TIME_US FRAME, or TIME_US sent FRAME, or TIME_US STATE.
 struct LoggingNode {
-  LoggingNode(CanBus& bus, CanNodeOptions options) : node(bus.attach(std::move(options))) { listen(); }
+  LoggingNode(Instant now, CanBus& bus, CanNodeOptions options) : node(bus.attach(now, std::move(options))) {
+    listen();
+  }
   void listen() {
     node->set_handlers({[this](Instant t, const CanFrame& f) { log += us(t) + " " + show(f) + "\n"; },
                         [this](Instant t, const CanFrame& f) { log += us(t) + " sent " + show(f) + "\n"; },
@@ -43,7 +45,7 @@ struct BusBench {
     scheduler.run_until(start);
     bus = std::make_unique<CanBus>(scheduler, std::move(options));
   }
-  LoggingNode& add(CanNodeOptions options) { return nodes.emplace_back(*bus, std::move(options)); }
+  LoggingNode& add(CanNodeOptions options) { return nodes.emplace_back(now(), *bus, std::move(options)); }
   LoggingNode& add(const std::string& name) {
     CanNodeOptions options;
     options.name = name;

@@ -68,6 +68,37 @@ TEST(CanBusErrors, WhatWaitsOnAnUnattendedBusIsSentWhenTheFirstOtherNodeComes) {
   }
 }
 
+// A live bus on which nothing happens has no events, and the clock of its scheduler stands still meanwhile.
+TEST(CanBusErrors, TheFirstOtherNodeMayComeLongAfterTheLastEvent) {
+  BusBench b;
+  auto& a = b.add("a");
+  a.node->send(b.now(), CanFrame::standard(0x705, {0}));
+  b.run_to_us(1'000'000);
+  ASSERT_FALSE(b.scheduler.next_event_at());
+  const Instant late = b.now() + std::chrono::seconds(10);
+  const auto master = b.bus->attach(late, {});
+  EXPECT_GE(*b.scheduler.next_event_at(), late);
+  b.scheduler.run_until(late + milliseconds(10));
+  EXPECT_EQ(master->status().received, 1u);
+  EXPECT_NEAR(b.bus->stats(b.now()).load.total, 1.0, 0.01);
+}
+
+TEST(CanBusErrors, ALoneNodeTakesItsAttemptsWithIt) {
+  BusBench b;
+  auto& a = b.add("a");
+  a.node->send(b.now(), CanFrame::standard(0x705, {0}));
+  b.run_to_us(1'000'000);
+  a.node.reset();
+  b.run_to_us(2'000'000);
+  auto& c = b.add("c");
+  auto& d = b.add("d");
+  c.node->send(b.now(), CanFrame::standard(1, {}));
+  b.run_to_us(2'100'000);
+  EXPECT_EQ(d.node->status().received, 1u);
+  EXPECT_EQ(b.stats().nodes, 2u);
+  EXPECT_NEAR(b.stats().load.total, 1.0 / 2.1, 0.01);
+}
+
 // The short cut for the lone node must not change what happens: with and without somebody who keeps it from being taken
 // (a node on its way back from bus off that never gets there counts as such).
 TEST(CanBusErrors, TheUneventfulWaitIsTheSameAsAttemptAfterAttempt) {

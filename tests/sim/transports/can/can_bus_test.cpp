@@ -4,6 +4,7 @@
 
 #include "sim/base/random.hpp"
 #include "sim/transports/can/wire_format.hpp"
+#include "tests/sim/kernel/allocation_count.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
 
 namespace vinv::transports {
@@ -184,7 +185,7 @@ TEST(CanBus, NodesComeAndGoInHandlersAndWhileTheySend) {
   c.node->set_handlers({[&](Instant, const CanFrame&) {
                           CanNodeOptions options;
                           options.name = "late";
-                          late = b.bus->attach(options);
+                          late = b.bus->attach(b.now(), options);
                           late->set_handlers({[&](Instant, const CanFrame&) { ++heard_late; }, {}, {}});
                           c.node.reset();
                         },
@@ -283,6 +284,35 @@ TEST(CanBus, WithoutTimingFramesPassInTheirInstantInOrderOfPriority) {
   a.node->send(b.now(), CanFrame::standard(0x300, {}));  // nobody else there
   b.run_to_us(0);
   EXPECT_EQ(a.node->status().sent, 2u);
+}
+
+TEST(CanBus, SteadyTrafficAllocatesNothing) {
+  CanBusOptions options;
+  options.bitrate = 1'000'000;
+  BusBench b(options);
+  std::deque<std::unique_ptr<CanNode>> nodes;
+  std::uint64_t heard = 0;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    CanNodeOptions node_options;
+    node_options.name = "a node with a name that is too long for the small string";
+    nodes.push_back(b.bus->attach(b.now(), node_options));
+    CanNode* const node = nodes.back().get();
+    // Each answers the one before it, and the last the first.
+    node->set_handlers({[&heard, node, i](Instant now, const CanFrame& f) {
+                          ++heard;
+                          if (f.id % 20 + 1 != i + (f.id % 20 == 19 ? 20u : 0u)) return;
+                          node->send(now, CanFrame::standard(0x100u + i, {1, 2, 3, 4}));
+                        },
+                        {},
+                        {}});
+  }
+  nodes[0]->send(b.now(), CanFrame::standard(0x100, {}));
+  b.run_to_us(100'000);
+  const std::uint64_t before = allocation_count();
+  const std::uint64_t heard_before = heard;
+  b.run_to_us(200'000);
+  EXPECT_GT(heard, heard_before + 1000);
+  EXPECT_EQ(allocation_count(), before);
 }
 
 // A hundred nodes at random for ten seconds: all get through, everybody hears the same, and two runs are the same.

@@ -164,10 +164,10 @@ TEST(CanBridge, FramesPassBothWaysOnce) {
   BusBench b;
   CanBus second(b.scheduler, {});
   auto& here = b.add("here");
-  LoggingNode there(second, {});
+  LoggingNode there(b.now(), second, {});
   CanNodeOptions options;
   options.name = "gateway";
-  CanBridge bridge(*b.bus, second.attach(options));
+  CanBridge bridge(b.now(), *b.bus, second.attach(b.now(), options));
   here.node->send(b.now(), CanFrame::standard(1, {1}));
   there.node->send(b.now(), CanFrame::standard(2, {2}));
   b.run_to_us(100'000);

@@ -29,7 +29,7 @@ struct Plant {
       bus = std::make_unique<CanBus>(thread.loop().scheduler(), options);
       CanNodeOptions node_options;
       node_options.name = "answers";
-      node = bus->attach(node_options);
+      node = bus->attach(thread.loop().now(), node_options);
       node->set_handlers({[this](Instant t, const CanFrame& f) {
                             ++heard;
                             if (f.id < 0x100 || f.id >= 0x700) return;

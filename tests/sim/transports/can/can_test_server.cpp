@@ -1,7 +1,8 @@
 // A bus for foreign clients to try: serves socketcand, slcan on TCP and slcan on a pseudo-terminal, prints where, and
 // runs until its standard input ends. A node on it answers data frames of identifier 0x100 to 0x6ff with the same data,
 // and remote frames with a data frame of their length, at the identifier before; a frame 0x7f0 makes it send as many
-// frames as its two bytes say, at once. With an argument it also joins that multicast group.
+// frames as its two bytes say, at once. With an argument it also joins that multicast group, on this
+// machine only.
 #include <asio/io_context.hpp>
 #include <asio/posix/stream_descriptor.hpp>
 #include <iostream>
@@ -22,7 +23,7 @@ int main(int argc, char** argv) {
   CanNodeOptions node_options;
   node_options.name = "answers";
   node_options.queue_frames = 2000;
-  const auto node = bus.attach(node_options);
+  const auto node = bus.attach(loop.now(), node_options);
   node->set_handlers({[&](Instant now, const CanFrame& frame) {
                         if (frame.id == 0x7f0) {
                           const int count = frame.data[0] << 8 | frame.data[1];
@@ -45,12 +46,12 @@ int main(int argc, char** argv) {
   if (!socketcand || !slcan || !pty) return 1;
   std::unique_ptr<CanBridge> multicast;
   if (argc > 1) {
-    auto port = UdpMulticastPort::open(loop, {argv[1], 43113, 1});
+    auto port = UdpMulticastPort::open(loop, {argv[1], 43113, 0});
     if (!port) {
       std::cerr << port.error() << '\n';
       return 1;
     }
-    multicast = std::make_unique<CanBridge>(bus, std::move(*port));
+    multicast = std::make_unique<CanBridge>(loop.now(), bus, std::move(*port));
   }
   std::cout << (*socketcand)->port() << ' ' << (*slcan)->port() << ' ' << (*pty)->path() << std::endl;
 

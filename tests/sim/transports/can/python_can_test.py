@@ -3,13 +3,15 @@
 
 Usage: python_can_test.py SERVER socketcand|slcan_tcp|slcan_tty|udp_multicast
 """
+import os
 import subprocess
 import sys
 import time
 
 import can
 
-IPV4_GROUP = "239.74.163.2"
+# A group of our own, and a hop limit of 0: this test stays on this machine and apart from others.
+IPV4_GROUP = f"239.74.{os.getpid() // 256 % 256}.{os.getpid() % 256}"
 
 
 def check(condition, text):
@@ -82,7 +84,7 @@ def main():
         "slcan_tcp": lambda: can.Bus(interface="slcan", channel=f"socket://127.0.0.1:{ports[1]}", bitrate=125000,
                                      sleep_after_open=0.2),
         "slcan_tty": lambda: can.Bus(interface="slcan", channel=ports[2], bitrate=125000, sleep_after_open=0.2),
-        "udp_multicast": lambda: can.Bus(interface="udp_multicast", channel=IPV4_GROUP),
+        "udp_multicast": lambda: can.Bus(interface="udp_multicast", channel=IPV4_GROUP, hop_limit=0),
     }
     make = makers[interface]
     possible = not multicast or multicast_is_possible(make)

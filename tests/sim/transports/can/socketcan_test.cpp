@@ -1,6 +1,4 @@
 // The SocketCAN port on a real vcan0; run by in_vcan.py, as root of a kernel that has CAN.
-#include "sim/transports/can/socketcan_port.hpp"
-
 #include <gtest/gtest.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -13,6 +11,7 @@
 
 #include "sim/transports/can/can_bridge.hpp"
 #include "sim/transports/can/can_recorder.hpp"
+#include "sim/transports/can/socketcan_port.hpp"
 #include "sim/transports/unique_fd.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
 
@@ -64,8 +63,9 @@ TEST_F(SocketCan, FramesOfEveryKindPassAndOurOwnComeBackAsConfirmation) {
   EXPECT_EQ(a.port->status().state, CanState::kErrorActive);
   CanFrame ext_remote = CanFrame::remote_request(0x1abcdef0, 8);
   ext_remote.extended = true;
-  for (const CanFrame& f : {CanFrame::standard(0x123, {1, 2, 3}), CanFrame::standard(0x7ff, {}),
-                            extended(0x123, {1, 2, 3, 4, 5, 6, 7, 8}), CanFrame::remote_request(0x705, 1), ext_remote}) {
+  for (const CanFrame& f :
+       {CanFrame::standard(0x123, {1, 2, 3}), CanFrame::standard(0x7ff, {}), extended(0x123, {1, 2, 3, 4, 5, 6, 7, 8}),
+        CanFrame::remote_request(0x705, 1), ext_remote}) {
     EXPECT_EQ(a.port->send(loop.now(), f), CanSend::kQueued);
   }
   expect(b, "123#010203 7FF# 00000123#0102030405060708 705#R1 1ABCDEF0#R8 ");
@@ -162,12 +162,12 @@ TEST_F(SocketCan, ABridgedBusAnswersRemoteFramesFromOutside) {
   CanBus bus(loop.scheduler(), options);
   auto opened = SocketCanPort::open(loop, "vcan0");
   ASSERT_TRUE(opened);
-  CanBridge bridge(bus, std::move(*opened));
+  CanBridge bridge(loop.now(), bus, std::move(*opened));
   std::deque<std::unique_ptr<CanNode>> nodes;
   for (std::uint8_t n = 1; n <= 10; ++n) {
     CanNodeOptions node_options;
     node_options.name = "drive " + std::to_string(n);
-    nodes.push_back(bus.attach(node_options));
+    nodes.push_back(bus.attach(loop.now(), node_options));
     CanNode* const node = nodes.back().get();
     node->set_handlers({[node, n](Instant now, const CanFrame& f) {
                           if (f.remote && f.id == 0x700u + n) node->send(now, CanFrame::standard(f.id, {0x7f}));
@@ -192,7 +192,8 @@ TEST_F(SocketCan, ABurstBeyondTheQueueIsRefusedAndTheRestArrives) {
   Port b(loop);
   std::uint64_t queued = 0;
   for (int i = 0; i < 200; ++i) {
-    queued += a.port->send(loop.now(), CanFrame::standard(1, {static_cast<std::uint8_t>(i)})) == CanSend::kQueued ? 1 : 0;
+    queued +=
+        a.port->send(loop.now(), CanFrame::standard(1, {static_cast<std::uint8_t>(i)})) == CanSend::kQueued ? 1 : 0;
   }
   for (int i = 0; i < 100 && b.port->status().received < queued; ++i) run(milliseconds(50));
   EXPECT_EQ(b.port->status().received, queued);

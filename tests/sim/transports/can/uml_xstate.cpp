@@ -1,13 +1,13 @@
 // Lets user-mode Linux 6.1 run on processors with a larger floating-point state than it knows (AMX): preloaded into
-// linux.uml, where PTRACE_SETREGSET with less than the whole state is refused with EFAULT and the kernel ends in a panic.
-// The part that user-mode Linux does not know keeps its value.
+// linux.uml, where PTRACE_SETREGSET with less than the whole state is refused with EFAULT and the kernel ends in a
+// panic. The part that user-mode Linux does not know keeps its value.
 #include <dlfcn.h>
 #include <elf.h>
-#include <sys/ptrace.h>
+#include <linux/ptrace.h>
+#include <sys/types.h>
 #include <sys/uio.h>
 
 #include <array>
-#include <cstdarg>
 #include <cstdint>
 #include <cstring>
 
@@ -20,14 +20,9 @@ using Ptrace = long (*)(int request, pid_t pid, void* address, void* data);
 
 }  // namespace
 
-extern "C" long ptrace(enum __ptrace_request request, ...) noexcept {
+// As glibc's caller passes them; <sys/ptrace.h> declares it with an ellipsis and is not included.
+extern "C" long ptrace(int request, pid_t pid, void* address, void* data) {
   static const auto real = reinterpret_cast<Ptrace>(::dlsym(RTLD_NEXT, "ptrace"));
-  std::va_list list;
-  va_start(list, request);
-  const pid_t pid = va_arg(list, pid_t);
-  void* const address = va_arg(list, void*);
-  void* const data = va_arg(list, void*);
-  va_end(list);
   const bool is_extended_state = reinterpret_cast<std::uintptr_t>(address) == NT_X86_XSTATE;
   if (request == PTRACE_SETREGSET && is_extended_state) {
     const auto* const wanted = static_cast<const iovec*>(data);
