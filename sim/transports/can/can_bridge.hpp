@@ -1,0 +1,34 @@
+// Joins another bus to ours: what is heard on one side is sent on the other. So faults, recorder and any number of
+// drives work on a kernel interface or a bus behind TCP as on a virtual one. On our bus the bridge is a node like any
+// other and acknowledges; a CanBus without timing adds no delay.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "sim/transports/can/can_bus.hpp"
+
+namespace vinv::transports {
+
+class CanBridge {
+ public:
+  // Frames from outside that wait for our bus; more are lost.
+  static constexpr std::size_t kMaxQueuedFrames = 512;
+
+  // The bus outlives the bridge.
+  CanBridge(Instant now, CanBus& bus, std::unique_ptr<CanPort> outside);
+  ~CanBridge();
+  CanBridge(const CanBridge&) = delete;
+  CanBridge& operator=(const CanBridge&) = delete;
+
+  CanPort& outside();
+  // Frames that one side could not take; what is heard here while there is no outside is not counted.
+  std::uint64_t lost() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace vinv::transports

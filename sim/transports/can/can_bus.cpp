@@ -1,0 +1,246 @@
+#include "sim/transports/can/can_bus.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "sim/base/check.hpp"
+#include "sim/transports/can/can_bus_impl.hpp"
+
+namespace vinv::transports {
+
+void CanNodeState::push(const Waiting& waiting) {
+  ring[(first + count) % ring.size()] = waiting;
+  ++count;
+}
+
+void CanNodeState::pop() {
+  first = (first + 1) % ring.size();
+  --count;
+  first_is_on_wire = false;
+}
+
+std::size_t CanNodeState::clear() {
+  const std::size_t kept = first_is_on_wire ? 1 : 0;
+  return std::exchange(count, kept) - kept;
+}
+
+CanBus::Impl::Impl(kernel::Scheduler& s, CanBusOptions o)
+    : scheduler(s),
+      options(std::move(o)),
+      bit(can_bit_time(options.bitrate)),
+      load(s.now()),
+      next_sof_at(s.now()),
+      recessive_since(s.now()) {}
+
+CanBus::Impl::NodePtr CanBus::Impl::attach(Instant now, CanNodeOptions node_options) {
+  now = std::max(now, scheduler.now());
+  if (phase == Phase::kLone) leave_lone(now);
+  auto node = std::make_shared<CanNodeState>();
+  node->options = std::move(node_options);
+  if (node->options.bitrate == 0) node->options.bitrate = options.bitrate;
+  node->ring.resize(std::max<std::size_t>(node->options.queue_frames, 2));
+  node->online = node->options.online;
+  node->reported = node->state();
+  node->joined_at = now;
+  nodes.push_back(node);
+  plan_start(now);
+  return node;
+}
+
+void CanBus::Impl::detach(const NodePtr& node) {
+  if (closed) return;
+  const Instant now = scheduler.now();
+  // Its attempts leave with it; the leaving of others, who are bus off or offline, changes nothing for it.
+  if (phase == Phase::kLone && transmitters.front() == node) {
+    sync_lone(now);
+    phase = Phase::kFree;
+    node->first_is_on_wire = false;
+    transmitters.clear();
+  }
+  node->attached = false;
+  node->recovering = false;
+  node->handlers.reset();
+  node->clear();
+  if (reporting == 0) forget_detached();
+  plan_start(now);
+}
+
+void CanBus::Impl::forget_detached() {
+  std::erase_if(nodes, [](const NodePtr& n) { return !n->attached; });
+}
+
+CanSend CanBus::Impl::put(CanNodeState& node, const CanNodeState::Waiting& waiting) const {
+  CanSend result = CanSend::kQueued;
+  if (node.count == node.ring.size()) {
+    ++node.lost;
+    if (node.options.when_full == CanQueuePolicy::kRefuseNewest) return CanSend::kRefusedFull;
+    if (node.first_is_on_wire) node.ring[(node.first + 1) % node.ring.size()] = node.head();
+    node.first = (node.first + 1) % node.ring.size();
+    --node.count;
+    result = CanSend::kDroppedOldest;
+  }
+  node.push(waiting);
+  return result;
+}
+
+CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& frame) {
+  VINV_CHECK(is_well_formed(frame));
+  if (closed || !node->may_send()) {
+    ++node->lost;
+    return CanSend::kRefusedState;
+  }
+  now = std::max(now, scheduler.now());
+  const CanVerdict verdict = judge.judge(frame, node->options.name);
+  if (verdict.bus_off) {
+    ++node->lost;
+    // In an event of its own, because send() does not call back.
+    scheduler.schedule(now, kernel::Priority::kWire, [weak = weak_from_this(), node](Instant t) {
+      if (const auto self = weak.lock()) self->force_bus_off(t, node);
+    });
+    return CanSend::kRefusedState;
+  }
+  const CanSend result = put(*node, {frame, now + verdict.delay, verdict});
+  if (result == CanSend::kRefusedFull) return result;
+  for (unsigned i = 0; i < verdict.copies; ++i) {
+    put(*node, {frame, now + verdict.delay + verdict.copies_after * (i + 1), CanVerdict{}});
+  }
+  if (phase == Phase::kFree || phase == Phase::kStarting) {
+    const Instant start = start_of(*node, now);
+    if (phase == Phase::kFree || start < sof_at) plan_start_at(start);
+  }
+  return result;
+}
+
+void CanBus::Impl::set_online(Instant now, const NodePtr& node, bool online) {
+  if (closed || node->online == online) return;
+  now = std::max(now, scheduler.now());
+  if (phase == Phase::kLone) leave_lone(now);
+  node->online = online;
+  reset_controller(now, node);
+}
+
+void CanBus::Impl::reset_controller(Instant now, const NodePtr& node) {
+  if (closed) return;
+  now = std::max(now, scheduler.now());
+  if (phase == Phase::kLone) leave_lone(now);
+  node->lost += node->clear();
+  node->counters = {};
+  node->recovering = false;
+  node->not_before = now;
+  node->joined_at = now;
+  report_states(now);
+  plan_start(now);
+}
+
+void CanBus::Impl::force_bus_off(Instant now, const NodePtr& node) {
+  if (closed || !node->participates()) return;
+  now = std::max(now, scheduler.now());
+  if (phase == Phase::kLone) leave_lone(now);
+  node->counters.tec = CanErrorCounters::kBusOffLevel;
+  enter_bus_off(now, *node);
+  plan_recovery();
+  report_states(now);
+  plan_start(now);
+}
+
+// A frame on the wire is completed by what the bus remembers of it.
+void CanBus::Impl::enter_bus_off(Instant now, CanNodeState& node) {
+  node.lost += node.count;
+  node.count = 0;
+  node.first_is_on_wire = false;
+  if (node.options.recovers) start_recovery(now, node);
+}
+
+void CanBus::Impl::start_recovery(Instant now, CanNodeState& node) {
+  if (!node.attached || !node.online || !node.counters.is_bus_off() || node.recovering) return;
+  node.recovering = true;
+  node.recovery_left = kRecoverySequences;
+  node.recovery_from = now;
+}
+
+void CanBus::Impl::close() {
+  closed = true;
+  if (wire_event != 0) scheduler.cancel(std::exchange(wire_event, 0));
+  if (recovery_event != 0) scheduler.cancel(std::exchange(recovery_event, 0));
+  for (const NodePtr& n : nodes) n->online = false;
+  observers.clear();
+}
+
+CanBus::CanBus(kernel::Scheduler& scheduler, CanBusOptions options) {
+  VINV_CHECK(is_can_bitrate(options.bitrate));
+  impl_ = std::make_shared<Impl>(scheduler, std::move(options));
+}
+
+CanBus::~CanBus() { impl_->close(); }
+
+std::unique_ptr<CanNode> CanBus::attach(Instant now, CanNodeOptions options) {
+  return std::unique_ptr<CanNode>(new CanNode(impl_, impl_->attach(now, std::move(options))));
+}
+
+void CanBus::observe(std::shared_ptr<CanBusObserver> observer) { impl_->observers.push_back(std::move(observer)); }
+
+void CanBus::stop_observing(const CanBusObserver* observer) {
+  std::erase_if(impl_->observers, [&](const auto& o) { return o.get() == observer; });
+}
+
+void CanBus::set_faults(CanFaultPlan plan) {
+  impl_->injected_before += impl_->judge.injected();
+  impl_->judge = CanFaultJudge(std::move(plan));
+}
+
+void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
+const CanBusOptions& CanBus::options() const { return impl_->options; }
+
+CanBusStats CanBus::stats(Instant now) const {
+  Impl& impl = *impl_;
+  if (impl.phase == Impl::Phase::kLone) impl.sync_lone(now);
+  CanBusStats s;
+  s.frames = impl.frames;
+  s.error_frames = impl.error_frames;
+  s.arbitrations_lost = impl.arbitrations_lost;
+  s.faults_injected = impl.injected_before + impl.judge.injected();
+  s.nodes = static_cast<std::size_t>(
+      std::count_if(impl.nodes.begin(), impl.nodes.end(), [](const auto& n) { return n->attached; }));
+  s.load = impl.load.load(now);
+  return s;
+}
+
+CanNode::CanNode(std::shared_ptr<CanBus::Impl> bus, std::shared_ptr<CanNodeState> state)
+    : bus_(std::move(bus)), state_(std::move(state)) {}
+CanNode::~CanNode() { bus_->detach(state_); }
+
+void CanNode::set_handlers(CanHandlers handlers) {
+  state_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
+}
+CanSend CanNode::send(Instant now, const CanFrame& frame) { return bus_->send(now, state_, frame); }
+std::size_t CanNode::queue_room() const {
+  if (bus_->closed || !state_->may_send()) return 0;
+  return state_->ring.size() - state_->count;
+}
+void CanNode::clear_queue() { state_->lost += state_->clear(); }
+void CanNode::set_online(Instant now, bool online) { bus_->set_online(now, state_, online); }
+
+Result<void, std::string> CanNode::set_bitrate(Instant now, std::uint32_t bitrate) {
+  if (bitrate == 0) return Unexpected(std::string("a CAN bit rate is above 0"));
+  state_->options.bitrate = bitrate;
+  bus_->reset_controller(now, state_);
+  return {};
+}
+
+CanStatus CanNode::status() const { return state_->status(); }
+std::string CanNode::name() const { return state_->options.name; }
+
+void CanNode::set_listen_only(Instant now, bool listen_only) {
+  state_->options.listen_only = listen_only;
+  bus_->reset_controller(now, state_);
+}
+void CanNode::force_bus_off(Instant now) { bus_->force_bus_off(now, state_); }
+void CanNode::recover(Instant now) {
+  if (bus_->closed) return;
+  if (bus_->phase == CanBus::Impl::Phase::kLone) bus_->leave_lone(now);
+  bus_->start_recovery(std::max(now, bus_->scheduler.now()), *state_);
+  bus_->plan_recovery();
+  bus_->plan_start(std::max(now, bus_->scheduler.now()));
+}
+
+}  // namespace vinv::transports

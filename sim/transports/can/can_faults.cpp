@@ -1,0 +1,33 @@
+#include "sim/transports/can/can_faults.hpp"
+
+#include <algorithm>
+
+namespace vinv::transports {
+
+CanVerdict CanFaultJudge::judge(const CanFrame& frame, std::string_view node) {
+  CanVerdict verdict;
+  for (std::size_t i = 0; i < plan_.rules.size(); ++i) {
+    const CanFaultRule& rule = plan_.rules[i];
+    if (((frame.id ^ rule.id) & rule.mask) != 0) continue;
+    if (rule.extended && *rule.extended != frame.extended) continue;
+    if (!rule.node.empty() && rule.node != node) continue;
+    ++seen_[i];
+    const bool hit = rule.nth != 0 ? rule.nth == seen_[i] : random_.uniform() < rule.probability;
+    if (!hit) continue;
+    ++injected_;
+    switch (rule.fault) {
+      case CanFault::kDrop: verdict.drop = true; break;
+      case CanFault::kDelay: verdict.delay += rule.delay; break;
+      case CanFault::kDuplicate:
+        ++verdict.copies;
+        verdict.copies_after = std::max(verdict.copies_after, rule.delay);
+        break;
+      case CanFault::kCorrupt: verdict.corrupt += rule.times; break;
+      case CanFault::kErrorFrame: verdict.error_frames += rule.times; break;
+      case CanFault::kBusOff: verdict.bus_off = true; break;
+    }
+  }
+  return verdict;
+}
+
+}  // namespace vinv::transports

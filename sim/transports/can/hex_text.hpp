@@ -1,0 +1,34 @@
+// Hexadecimal numbers in the texts of CAN tools.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vinv::transports {
+
+constexpr std::optional<std::uint32_t> hex_digit(char c) {
+  if (c >= '0' && c <= '9') return static_cast<std::uint32_t>(c - '0');
+  if (c >= 'A' && c <= 'F') return static_cast<std::uint32_t>(c - 'A' + 10);
+  if (c >= 'a' && c <= 'f') return static_cast<std::uint32_t>(c - 'a' + 10);
+  return std::nullopt;
+}
+
+// One to eight digits and nothing else.
+constexpr std::optional<std::uint32_t> parse_hex(std::string_view text) {
+  if (text.empty() || text.size() > 8) return std::nullopt;
+  std::uint32_t value = 0;
+  for (const char c : text) {
+    const auto digit = hex_digit(c);
+    if (!digit) return std::nullopt;
+    value = value << 4 | *digit;
+  }
+  return value;
+}
+
+inline void append_hex(std::string& out, std::uint32_t value, int digits) {
+  for (int i = digits; i-- > 0;) out += "0123456789ABCDEF"[value >> (4 * i) & 0xf];
+}
+
+}  // namespace vinv::transports

@@ -1,0 +1,58 @@
+// What the ports of buses that are not ours have in common: handlers, state, counts, and the confirmation of a frame
+// that was handed over.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "sim/base/check.hpp"
+#include "sim/kernel/scheduler.hpp"
+#include "sim/transports/can/can_port.hpp"
+#include "sim/transports/can/wire_format.hpp"
+
+namespace vinv::transports {
+
+// Shared, so that events and handlers of streams find out that the port is gone.
+struct RemotePortState : std::enable_shared_from_this<RemotePortState> {
+  explicit RemotePortState(kernel::Scheduler& s) : scheduler(s) {}
+
+  void received(Instant now, const CanFrame& frame) {
+    if (!is_up()) return;
+    ++status.received;
+    const auto keep = handlers;
+    if (keep && keep->on_frame) keep->on_frame(now, frame);
+  }
+  void confirm(Instant now, const CanFrame& frame) {
+    ++status.sent;
+    const auto keep = handlers;
+    if (keep && keep->on_sent) keep->on_sent(now, frame);
+  }
+  // For buses that do not confirm: in an event of its own, because send() does not call back.
+  void confirm_later(Instant now, const CanFrame& frame) {
+    ++unconfirmed;
+    scheduler.schedule(std::max(now, scheduler.now()), kernel::Priority::kWire,
+                       [weak = weak_from_this(), frame](Instant t) {
+                         const auto self = weak.lock();
+                         if (!self) return;
+                         --self->unconfirmed;
+                         self->confirm(t, frame);
+                       });
+  }
+  void enter(Instant now, CanState state) {
+    if (status.state == state) return;
+    status.state = state;
+    const auto keep = handlers;
+    if (keep && keep->on_state) keep->on_state(now, status);
+  }
+  bool is_up() const { return online && status.state != CanState::kOffline; }
+  bool may_send() const { return is_up() && status.state != CanState::kBusOff; }
+
+  kernel::Scheduler& scheduler;
+  std::shared_ptr<const CanHandlers> handlers;
+  CanStatus status{CanState::kOffline, {}, 0, 0, 0};
+  bool online = true;  // as its owner wants it
+  std::size_t unconfirmed = 0;
+};
+
+}  // namespace vinv::transports
