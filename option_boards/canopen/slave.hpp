@@ -30,7 +30,7 @@ enum class Origin : std::uint8_t { kSdo, kPdo };
 
 enum class PdoFault : std::uint8_t {
   kRpdoTooShort,    // fewer bytes than mapped; the PDO has no effect
-  kRpdoGoodAgain,   // the next one of that PDO had enough
+  kRpdoGoodAgain,   // the next one of that PDO had enough, or the PDO was set up anew
   kTpdoNotSampled,  // a synchronous RTR-only TPDO was asked for before the first SYNC; nothing is sent
 };
 

@@ -1,5 +1,5 @@
 // Reads and writes of the dictionary; the objects of the communication profile. CiA DS-301 v4.0, 9.6.3.
-#include <algorithm>
+#include <utility>
 
 #include "option_boards/canopen/slave.hpp"
 #include "sim/base/check.hpp"
@@ -157,7 +157,12 @@ WriteResult Slave::write_pdo_communication(Instant now, PdoDirection direction, 
   if (direction == PdoDirection::kTransmit) {
     restart_tpdo(now, pdo);
   } else {
-    state_.rpdos[pdo].buffered = false;
+    Rpdo& rpdo = state_.rpdos[pdo];
+    rpdo.buffered = false;
+    // Set up anew: what was wrong with it is over.
+    if (std::exchange(rpdo.too_short, false)) {
+      application_.on_pdo_fault(now, PdoFault::kRpdoGoodAgain, static_cast<unsigned>(pdo));
+    }
   }
   return {};
 }

@@ -155,8 +155,10 @@ void CanopenUnit::follow_alarm(Instant now) {
 
 void CanopenUnit::on_nmt_command(Instant /*now*/, NmtCommand command, NmtState before) {
   state_.refused = {};
-  state_.short_rpdos = 0;
-  if (command == NmtCommand::kResetNode || command == NmtCommand::kResetCommunication) state_.guarding_lost = false;
+  if (command == NmtCommand::kResetNode || command == NmtCommand::kResetCommunication) {
+    state_.guarding_lost = false;
+    state_.short_rpdos = 0;
+  }
   const bool network = drive_.operation_mode() == port::OperationMode::kNetwork;
   if (command == NmtCommand::kStart) {
     state_.leave_network = false;

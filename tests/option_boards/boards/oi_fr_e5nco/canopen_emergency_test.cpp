@@ -191,6 +191,21 @@ TEST_F(OiFrE5ncoCanopenEmergency, ShortRpdoIsAnErrorUntilAGoodOneComes) {
   EXPECT_EQ(read(0x1001), "=00");
 }
 
+TEST_F(OiFrE5ncoCanopenEmergency, ShortRpdoStaysAnErrorUntilThePdoIsSetUpAnewOrTheNodeReset) {
+  network();
+  tell("219#02");
+  tell("000#8019");
+  EXPECT_EQ(read(0x1001), "=11");
+  tell("000#0119");
+  EXPECT_EQ(tell("219#02"), "");
+  EXPECT_EQ(tell("619#2300140119020080"), "099#0000000000050000 599#6000140100000000");  // 1400H:1 with bit 31
+  EXPECT_EQ(read(0x1001), "=00");
+  EXPECT_EQ(write(0x1400, 1, 0x219, 4), "ok");
+  tell("219#02");
+  tell("000#8219");
+  EXPECT_EQ(read(0x1001), "=00");
+}
+
 TEST_F(OiFrE5ncoCanopenEmergency, SynchronousTpdoAskedForBeforeASyncIsAnError) {
   EXPECT_EQ(write(0x1800, 2, 252, 1), "ok");
   network();
