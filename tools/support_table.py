@@ -35,6 +35,20 @@ def register_range(row):
     return row["min"] if row["min"] == row["max"] else f"{row['min']}-{row['max']}"
 
 
+def object_address(row):
+    index = row["first"] + (f"H-{row['last']}H" if row["last"] else "H")
+    subs = row["sub_first"] + (f"-{row['sub_last']}" if row["sub_last"] else "")
+    return f"{index}:{subs}"
+
+
+def object_pdo(row):
+    return {"": "", "r": "RPDO", "t": "TPDO", "rt": "both"}[row["pdo"]]
+
+
+def object_range(row):
+    return f"{row['min']}-{row['max']}" if row["min"] or row["max"] else ""
+
+
 def parameter_number(row):
     sub = int(row.get("sub") or 0)
     return f"Pr.{row['pr']}" + (f" ({sub})" if sub else "")
@@ -133,6 +147,18 @@ TABLES = {
         [("Address", register_address), ("What", column("name")), ("Access", register_access),
          ("Value", register_range), ("Manual section", column("section")), ("Confidence", column("confidence")),
          ("Notes", column("notes")), ("Test", tests_column)], register_problems),
+    "oi-fr-e5nco-objects": (
+        "option_boards/boards/oi_fr_e5nco/objects.csv",
+        [("Object", object_address), ("What", column("name")), ("Type", column("type")), ("Access", column("access")),
+         ("PDO", object_pdo), ("Default", column("default")), ("Range", object_range),
+         ("Manual section", column("section")), ("Confidence", column("confidence")), ("Notes", column("notes")),
+         ("Test", tests_column)], must_have_test(object_address)),
+    "oi-fr-e5nco-emergencies": (
+        "option_boards/boards/oi_fr_e5nco/emergency_codes.csv",
+        [("Alarm", column("alarm")), ("Data code (byte 4)", lambda row: row["data_code_hex"] + "H"),
+         ("Error code", lambda row: row["error_code_hex"] + "H"),
+         ("Error register", lambda row: row["error_register_hex"] + "H"), ("Manual section", column("section")),
+         ("Confidence", column("confidence"))], lambda row, tests: []),
     "fr-e500-parameters": (
         "motor_model/families/mitsubishi_e500/parameters.csv",
         [("Parameter", parameter_number), ("Name", column("name")), ("Range", parameter_range),

@@ -114,6 +114,10 @@ class DrivePort {
   virtual AlarmHistory alarm_history() const = 0;
   // Alarm present now, 0 if none.
   virtual std::uint8_t active_alarm() const = 0;
+  // Start signals that are on, of any source (kStf, kStr): what keeps an operation mode from being left.
+  virtual NetTerminals start_signals() const { return {}; }
+  // How often a value could not be stored since power-on: a write that was accepted acts until power-off only.
+  virtual std::uint32_t storage_failures() const { return 0; }
 
   // Posts a write. kBusy while one is pending, kNotReady in start-up and reset; otherwise accepted for decision.
   virtual WriteOutcome post_write(Instant now, const WriteRequest& request) = 0;

@@ -12,6 +12,7 @@
 
 #include "option_boards/modbus/unit.hpp"
 #include "sim/base/bytes.hpp"
+#include "sim/base/can_frame.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
 
@@ -38,6 +39,22 @@ class SerialChannel {
   virtual void set_receive_slack(Instant /*now*/, Duration /*slack*/) {}
 };
 
+// A node on a CAN bus. After any handle_ call of the board or the node the rig drains it while the bus takes frames.
+class CanChannel {
+ public:
+  virtual ~CanChannel() = default;
+  // Bit/s that the board's controller is set to; 0 while it takes no part in the bus (no supply, no valid address).
+  virtual std::uint32_t bit_rate() const = 0;
+  // 0 while it takes no part.
+  virtual std::uint8_t node() const = 0;
+  // A frame of another node; frames of its own never come back.
+  virtual void handle_frame(Instant now, const CanFrame& frame) = 0;
+  // The next frame to send; called only while the controller has room for it.
+  virtual std::optional<CanFrame> poll_transmit(Instant now) = 0;
+  // The controller went bus-off, or is back.
+  virtual void set_bus_off(Instant /*now*/, bool /*bus_off*/) {}
+};
+
 class OptionBoard {
  public:
   virtual ~OptionBoard() = default;
@@ -53,6 +70,9 @@ class OptionBoard {
   // Channels; nullptr where the board has none.
   virtual modbus::Unit* modbus_unit() { return nullptr; }
   virtual SerialChannel* serial_channel() { return nullptr; }
+  virtual CanChannel* can_channel() { return nullptr; }
+  // The board's status LED as a person sees it: "off", "green", "green flashing", ... Empty: it has none.
+  virtual std::string_view status_led() const { return {}; }
 };
 
 }  // namespace vinv::boards

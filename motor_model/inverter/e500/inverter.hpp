@@ -79,6 +79,8 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   Result<std::uint32_t, port::Refusal> read_parameter(port::ParameterId id) const override;
   port::AlarmHistory alarm_history() const override { return record_.alarms; }
   std::uint8_t active_alarm() const override;
+  port::NetTerminals start_signals() const override;
+  std::uint32_t storage_failures() const override { return v_.storage_failures; }
   port::WriteOutcome post_write(Instant now, const port::WriteRequest& request) override;
   bool write_pending() const override { return v_.mailbox.pending(); }
   std::optional<port::WriteOutcome> take_outcome() override { return v_.mailbox.take(); }

@@ -173,6 +173,7 @@ void E500Inverter::begin_reset() {
   fresh.mailbox = v_.mailbox;
   fresh.network.communication_lost = v_.network.communication_lost;
   fresh.network.option_failed = v_.network.option_failed;
+  fresh.storage_failures = v_.storage_failures;
   fresh.current_monitor = v_.current_monitor;
   fresh.operating_s = v_.operating_s;
   core_.force_trip();

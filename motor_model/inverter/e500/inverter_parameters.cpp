@@ -57,7 +57,9 @@ std::int32_t E500Inverter::shown_raw(std::size_t row) const {
 
 void E500Inverter::eeprom_written() {
   eeprom_changed_ = true;
-  if (causes_.eeprom_write && control_alive_) raise("E.PE", "a write to the parameter storage failed");
+  if (!causes_.eeprom_write || !control_alive_) return;
+  ++v_.storage_failures;
+  raise("E.PE", "a write to the parameter storage failed");
 }
 
 std::optional<Refusal> E500Inverter::command_parameter(unsigned number, std::int32_t raw) {
@@ -117,6 +119,7 @@ std::optional<Refusal> E500Inverter::write_parameter(std::size_t row, std::int32
   if (causes_.eeprom_write && control_alive_ && storage == Storage::kRamAndEeprom) {
     store_.write(row, raw, Storage::kRamOnly);
     link_calibration(number, Storage::kRamOnly);
+    ++v_.storage_failures;
     raise("E.PE", "writing " + r.label + " to the parameter storage failed");
   } else {
     store_.write(row, raw, storage);

@@ -41,6 +41,18 @@ std::uint8_t E500Inverter::active_alarm() const {
   return v_.alarm.row && alarm_visible() ? data_.alarms.rows()[*v_.alarm.row].code : std::uint8_t{0};
 }
 
+port::NetTerminals E500Inverter::start_signals() const {
+  using drive::RunDirection;
+  const auto& command = v_.network.command;
+  const auto on = [&](Terminal wired, NetTerminal of_network, RunDirection direction) {
+    return wiring_.closed[wired] || command.has(of_network) || v_.panel.run == direction || v_.direction == direction;
+  };
+  port::NetTerminals signals;
+  signals.set(NetTerminal::kStf, on(kStf, NetTerminal::kStf, RunDirection::kForward));
+  signals.set(NetTerminal::kStr, on(kStr, NetTerminal::kStr, RunDirection::kReverse));
+  return signals;
+}
+
 WriteOutcome E500Inverter::post_write(Instant, const WriteRequest& request) {
   if (!ready()) return Unexpected(Refusal::kNotReady);
   return v_.mailbox.post(request);
@@ -127,9 +139,7 @@ ModeSituation E500Inverter::mode_situation() const {
   s.option_fitted = option_fitted_;
   s.stopped = !running();
   // The terminals as they are now; what came through mailbox and keys since the last tick counts too.
-  s.start_signal = wiring_.closed[kStf] || wiring_.closed[kStr] || v_.network.command.has(NetTerminal::kStf) ||
-                   v_.network.command.has(NetTerminal::kStr) || v_.panel.run != drive::RunDirection::kStop ||
-                   v_.direction != drive::RunDirection::kStop;
+  s.start_signal = start_signals().bits != 0;
   return s;
 }
 

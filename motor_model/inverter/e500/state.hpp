@@ -101,7 +101,8 @@ struct Volatile {
   ActiveAlarm alarm;
   Mailbox mailbox;
   bool any_start_signal = false;  // of this tick's sources
-  double operating_s = 0;         // not yet in the hour meter
+  std::uint32_t storage_failures = 0;
+  double operating_s = 0;  // not yet in the hour meter
   Published published;
 };
 

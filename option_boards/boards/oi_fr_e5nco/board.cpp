@@ -1,11 +1,15 @@
 #include "option_boards/boards/oi_fr_e5nco/board.hpp"
 
+#include <algorithm>
+
 namespace vinv::boards::oi_fr_e5nco {
 namespace {
 
 constexpr port::ParameterId kNodeParameter{345, 0};
+constexpr port::ParameterId kBitRateParameter{346, 0};
 constexpr port::ParameterId kSerialParameter{347, 0};
 constexpr std::uint32_t kNodeFromSwitches = 100;
+constexpr std::uint32_t kDefaultBitRate = 132;       // 84H: 125 kbit/s (5.1)
 constexpr std::uint32_t kDefaultSerialSetup = 0x04;  // 9600 baud, no parity (8.3.5)
 
 // Empty: the inverter cannot tell yet. A family without the parameter has its default.
@@ -19,7 +23,12 @@ std::optional<std::uint32_t> read_startup_parameter(const port::DrivePort& drive
 
 }  // namespace
 
-Board::Board(port::DrivePort& drive, AddressSwitches switches) : drive_(drive), unit_(drive) {
+Board::Board(port::DrivePort& drive, AddressSwitches switches)
+    : modbus_port_(drive, mailbox_owner_, MailboxUser::kModbus),
+      canopen_port_(drive, mailbox_owner_, MailboxUser::kCanopen),
+      drive_(drive),
+      unit_(modbus_port_),
+      canopen_(canopen_port_) {
   state_.switches = switches;
   state_.serial = parse_pr347(kDefaultSerialSetup);
   rtu_.add_unit(unit_);
@@ -32,6 +41,7 @@ void Board::handle_power(Instant now, bool on) {
     state_.drive_was_ready = false;
     unit_.set_address(0);
     rtu_.stop();
+    canopen_.stop();
     return;
   }
   state_.supply = Supply::kStarting;
@@ -42,11 +52,14 @@ void Board::handle_power(Instant now, bool on) {
 void Board::start(Instant now) {
   const auto raw_pr345 = read_startup_parameter(drive_, kNodeParameter, kNodeFromSwitches);
   const auto raw_pr347 = read_startup_parameter(drive_, kSerialParameter, kDefaultSerialSetup);
-  if (!raw_pr345 || !raw_pr347) return;
+  const auto raw_pr346 = read_startup_parameter(drive_, kBitRateParameter, kDefaultBitRate);
+  if (!raw_pr345 || !raw_pr346 || !raw_pr347) return;
   state_.supply = Supply::kOn;
   state_.serial = parse_pr347(*raw_pr347);
-  unit_.set_address(node_address(*raw_pr345, state_.sampled_switches));
+  const std::uint8_t node = node_address(*raw_pr345, state_.sampled_switches);
+  unit_.set_address(node);
   open_line(now);
+  canopen_.start(now, node, can_bit_rate(*raw_pr346));
 }
 
 void Board::open_line(Instant now) {
@@ -59,6 +72,7 @@ void Board::open_line(Instant now) {
 
 void Board::handle_drive_tick(Instant now) {
   unit_.handle_drive_tick();
+  canopen_.handle_drive_tick(now);
   if (state_.supply == Supply::kStarting) start(now);
   if (state_.supply != Supply::kOn) return;
   const bool ready = drive_.ready();
@@ -71,6 +85,17 @@ void Board::handle_drive_tick(Instant now) {
     }
   }
   state_.drive_was_ready = ready;
+}
+
+void Board::handle_timeout(Instant now) {
+  rtu_.handle_timeout(now);
+  canopen_.handle_timeout(now);
+}
+
+std::optional<Instant> Board::next_deadline() const {
+  const auto of_line = rtu_.next_deadline(), of_bus = canopen_.next_deadline();
+  if (!of_line || !of_bus) return of_line ? of_line : of_bus;
+  return std::min(*of_line, *of_bus);
 }
 
 void Board::handle_bytes(Instant now, ByteView bytes, bool line_error) { rtu_.handle_bytes(now, bytes, line_error); }

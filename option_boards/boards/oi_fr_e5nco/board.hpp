@@ -1,8 +1,11 @@
-// OI-FR-E5NCO: option board of the FR-E500 with CANopen and a Modbus serial port (RS-232C or RS-485). Modbus side.
-// OI-FR-E5NCO manual: 2.3 address switches, 5.1 start-up parameters, 8 Modbus.
+// OI-FR-E5NCO: option board of the FR-E500 with CANopen and a Modbus serial port (RS-232C or RS-485).
+// OI-FR-E5NCO manual: 2.3 address switches, 2.4 LED, 5.1 start-up parameters, 6 and 7 CANopen, 8 Modbus.
 //
-// Switches and Pr.345 count at power-on, and not again before the next. Pr.347 counts at power-on and after an inverter
-// reset. Unspecified: the manual gives no moment for Pr.347; the inverter takes its communication parameters so.
+// Both sides work at the same time; each sees what the other did to the inverter, and the last command counts. The
+// inverter has one write mailbox for both (mailbox_share.hpp).
+// Switches, Pr.345 and Pr.346 count at power-on, and not again before the next. Pr.347 counts at power-on and after an
+// inverter reset. Unspecified: the manual gives no moment for Pr.347; the inverter takes its communication parameters
+// so.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +14,8 @@
 #include <string_view>
 
 #include "motor_model/port/drive_port.hpp"
+#include "option_boards/boards/oi_fr_e5nco/canopen_unit.hpp"
+#include "option_boards/boards/oi_fr_e5nco/mailbox_share.hpp"
 #include "option_boards/boards/oi_fr_e5nco/modbus_unit.hpp"
 #include "option_boards/boards/oi_fr_e5nco/startup_settings.hpp"
 #include "option_boards/boards/option_board.hpp"
@@ -28,12 +33,14 @@ class Board final : public OptionBoard, private SerialChannel {
   std::string_view type() const override { return kType; }
   void handle_power(Instant now, bool on) override;
   void handle_drive_tick(Instant now) override;
-  void handle_timeout(Instant now) override { rtu_.handle_timeout(now); }
-  std::optional<Instant> next_deadline() const override { return rtu_.next_deadline(); }
+  void handle_timeout(Instant now) override;
+  std::optional<Instant> next_deadline() const override;
   // SW1 (tens) and SW2 (units), 0-9 each.
   Result<void, std::string> set_switch(std::string_view name, unsigned value) override;
   modbus::Unit* modbus_unit() override { return &unit_; }
   SerialChannel* serial_channel() override { return this; }
+  CanChannel* can_channel() override { return &canopen_; }
+  std::string_view status_led() const override { return canopen_.led(); }
 
  private:
   LineSettings line_settings() const override { return state_.serial.line; }
@@ -54,8 +61,12 @@ class Board final : public OptionBoard, private SerialChannel {
     Duration receive_slack{};
   };
 
+  MailboxUser mailbox_owner_ = MailboxUser::kNobody;
+  MailboxShare modbus_port_;
+  MailboxShare canopen_port_;
   port::DrivePort& drive_;
   ModbusUnit unit_;
+  CanopenUnit canopen_;
   modbus::RtuServer rtu_{modbus::kSerialLineClient};
   State state_;
 };

@@ -19,6 +19,14 @@ SerialSetup parse_pr347(std::uint32_t raw) {
 
 unsigned bits_per_character(const LineSettings& line) { return line.parity == LineSettings::Parity::kNone ? 10 : 11; }
 
+std::uint32_t can_bit_rate(std::uint32_t raw_pr346) {
+  constexpr std::uint32_t kFactory = 125'000;
+  constexpr std::array<std::uint32_t, 16> kRateOfCode{kFactory, 1'000'000, 500'000,  250'000,  125'000,  100'000,
+                                                      62'500,   50'000,    20'000,   kFactory, kFactory, kFactory,
+                                                      kFactory, kFactory,  kFactory, kFactory};
+  return kRateOfCode[raw_pr346 & 0xf];
+}
+
 std::uint8_t node_address(std::uint32_t raw_pr345, AddressSwitches switches) {
   constexpr std::uint32_t kLastNode = 99;
   const std::uint32_t node = raw_pr345 >= 1 && raw_pr345 <= kLastNode ? raw_pr345 : switches.value();

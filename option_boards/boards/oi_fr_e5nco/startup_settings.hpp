@@ -1,5 +1,5 @@
-// What the board takes from parameters and switches when it starts. OI-FR-E5NCO manual: 2.3 switches, 5.1 Pr.345,
-// 8.3 Pr.347, 8.4 node.
+// What the board takes from parameters and switches when it starts. OI-FR-E5NCO manual: 2.3 switches, 5.1 Pr.345 and
+// Pr.346, 8.3 Pr.347, 8.4 node.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,10 @@ struct SerialSetup {
 SerialSetup parse_pr347(std::uint32_t raw);
 // Start, 8 data, parity if any, 1 stop bit.
 unsigned bits_per_character(const LineSettings& line);
+
+// Pr.346: the low nibble is the code of 5.1, bits above do not count. Bit/s.
+// Unspecified: codes 0 and 9-15: 125 kbit/s, the factory value.
+std::uint32_t can_bit_rate(std::uint32_t raw_pr346);
 
 // Two decimal rotary switches: SW1 tens, SW2 units.
 struct AddressSwitches {

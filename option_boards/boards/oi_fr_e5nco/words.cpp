@@ -56,4 +56,9 @@ std::uint16_t rpm_of_raw_frequency(std::uint32_t raw_frequency, std::uint32_t po
   return static_cast<std::uint16_t>(std::min<std::uint32_t>(raw_frequency * 3 / factor(poles), 0xffff));
 }
 
+std::uint16_t nearest_rpm_of_raw_frequency(std::uint32_t raw_frequency, std::uint32_t poles) {
+  const std::uint64_t rounded = (std::uint64_t{raw_frequency} * 3 + factor(poles) / 2) / factor(poles);
+  return static_cast<std::uint16_t>(std::min<std::uint64_t>(rounded, 0xffff));
+}
+
 }  // namespace vinv::boards::oi_fr_e5nco

@@ -20,5 +20,7 @@ std::uint32_t poles_of(std::uint32_t raw_pr144);
 std::uint32_t raw_frequency_of_rpm(std::uint32_t rpm, std::uint32_t poles);
 // The inverse, rounding down; saturates at 65535.
 std::uint16_t rpm_of_raw_frequency(std::uint32_t raw_frequency, std::uint32_t poles);
+// The rpm that gives this frequency, so that a value read is the value written; saturates at 65535.
+std::uint16_t nearest_rpm_of_raw_frequency(std::uint32_t raw_frequency, std::uint32_t poles);
 
 }  // namespace vinv::boards::oi_fr_e5nco

@@ -1,4 +1,4 @@
-// A board on the bench: fake drive, serial line, one fake time that jumps from event to event, ticks of 1 ms.
+// A board on the bench: fake drive, serial line, CAN bus, one fake time that jumps from event to event, ticks of 1 ms.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,11 @@ class Bench {
   struct Sent {
     Instant at{};
     Bytes bytes;
+  };
+
+  struct SentFrame {
+    Instant at{};
+    CanFrame frame;
   };
 
   explicit Bench(unsigned node = 25) {
@@ -55,6 +60,7 @@ class Bench {
   }
   void drain() {
     while (auto bytes = line().poll_transmit(now)) sent.push_back({now, std::move(*bytes)});
+    while (auto frame = bus().poll_transmit(now)) frames.push_back({now, *frame});
   }
   modbus::Unit& unit() {
     modbus::Unit* found = board->modbus_unit();
@@ -66,6 +72,15 @@ class Bench {
     VINV_CHECK(channel != nullptr);
     return *channel;
   }
+  boards::CanChannel& bus() {
+    boards::CanChannel* channel = board->can_channel();
+    VINV_CHECK(channel != nullptr);
+    return *channel;
+  }
+  void receive_frame(const CanFrame& frame) {
+    bus().handle_frame(now, frame);
+    drain();
+  }
   void receive(const Bytes& bytes, bool line_error = false) {
     line().handle_bytes(now, bytes, line_error);
     drain();
@@ -76,6 +91,7 @@ class Bench {
   Instant now = instant_from_ns(7'000'000'000);
   Instant next_tick_at = now + kTick;
   std::vector<Sent> sent;
+  std::vector<SentFrame> frames;
 };
 
 }  // namespace vinv::test

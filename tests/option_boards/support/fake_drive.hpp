@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "motor_model/port/drive_port.hpp"
@@ -25,6 +26,7 @@ class FakeDrive final : public port::DrivePort {
   std::map<std::uint16_t, Parameter> parameters{
       {0, {60, 0, 300}},   {1, {12000, 0, 12000}}, {7, {50, 0, 36000}},    {144, {4, 0, 110}},
       {345, {25, 0, 255}}, {347, {4, 0, 255}},     {342, {0, 0, 1, true}}, {4, {5000, 0, 40000, false, true}}};
+  std::map<std::pair<std::uint16_t, std::uint8_t>, Parameter> calibration;  // parameters of two words
   std::map<unsigned, std::uint16_t> monitors{{1, 0}, {2, 0}, {3, 0}};
   port::AlarmHistory history{};
   port::Status status_now{};
@@ -37,6 +39,8 @@ class FakeDrive final : public port::DrivePort {
   unsigned dead_ticks_after_reset = 100;
   std::optional<port::Refusal> refuse_decision;  // instead of the decision
   std::optional<port::Refusal> refuse_post;
+  port::NetTerminals signals_on;   // start signals of any source
+  bool storage_fails = false;      // accepted parameter writes cannot be stored
 
   // What tests look at.
   std::vector<port::WriteRequest> posted;
@@ -65,12 +69,15 @@ class FakeDrive final : public port::DrivePort {
   }
   Result<std::uint32_t, port::Refusal> read_parameter(port::ParameterId id) const override {
     if (!parameters_readable) return Unexpected(port::Refusal::kNotReady);
-    const auto found = parameters.find(id.number);
-    if (found == parameters.end() || id.sub != 0) return Unexpected(port::Refusal::kNoSuchItem);
-    return found->second.value;
+    const Parameter* found = find(id);
+    if (found == nullptr) return Unexpected(port::Refusal::kNoSuchItem);
+    return found->value;
   }
   port::AlarmHistory alarm_history() const override { return history; }
   std::uint8_t active_alarm() const override { return status_now.alarm ? history[0] : std::uint8_t{0}; }
+
+  port::NetTerminals start_signals() const override { return signals_on; }
+  std::uint32_t storage_failures() const override { return storage_failures_; }
 
   port::WriteOutcome post_write(Instant, const port::WriteRequest& request) override {
     if (refuse_post) return Unexpected(*refuse_post);
@@ -92,6 +99,11 @@ class FakeDrive final : public port::DrivePort {
   void set_option_failed(bool) override {}
 
  private:
+  const Parameter* find(port::ParameterId id) const {
+    if (const auto word = parameters.find(id.number); word != parameters.end() && id.sub == 0) return &word->second;
+    const auto one_of_two = calibration.find({id.number, id.sub});
+    return one_of_two == calibration.end() ? nullptr : &one_of_two->second;
+  }
   port::WriteOutcome decide(const port::WriteRequest& request) {
     using port::Refusal;
     if (request.kind == Kind::kOperationMode) {
@@ -115,19 +127,21 @@ class FakeDrive final : public port::DrivePort {
   }
   port::WriteOutcome write_parameter(const port::WriteRequest& request) {
     using port::Refusal;
-    const auto found = parameters.find(request.parameter.number);
-    if (found == parameters.end() || request.parameter.sub != 0) return Unexpected(Refusal::kNoSuchItem);
-    Parameter& parameter = found->second;
+    const Parameter* found = find(request.parameter);
+    if (found == nullptr) return Unexpected(Refusal::kNoSuchItem);
+    auto& parameter = const_cast<Parameter&>(*found);
     if (parameter.read_only) return Unexpected(Refusal::kReadOnly);
     if (write_disabled) return Unexpected(Refusal::kWriteDisabled);
     if (status_now.running && !parameter.writable_while_running) return Unexpected(Refusal::kRunning);
     if (request.value < parameter.min || request.value > parameter.max) return Unexpected(Refusal::kOutOfRange);
     parameter.value = request.value;
+    if (storage_fails) ++storage_failures_;
     return {};
   }
 
   std::optional<port::WriteRequest> request_;
   std::optional<port::WriteOutcome> outcome_;
+  std::uint32_t storage_failures_ = 0;
   unsigned waited_ = 0;
   unsigned dead_ticks_ = 0;
 };
