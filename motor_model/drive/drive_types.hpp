@@ -42,7 +42,7 @@ struct DriveSettings {
   double base_voltage_v_rms = 400;  // at and above base frequency
   double torque_boost_percent = 4;  // of base voltage at 0 Hz
   LoadPattern load_pattern = LoadPattern::kConstantTorque;
-  double stator_resistance_compensation_ohm = 0;  // flux vector control: adds R * I to the voltage; 0: off
+  double stator_resistance_compensation_ohm = 0;  // flux vector control: adds most of R * I to the voltage; 0: off
   // the motor as the drive takes it to be: how hard stall prevention acts, and how it tells driving from braking
   double motor_slip_hz = 2;     // at the motor's rated current
   double motor_stator_ohm = 0;  // per phase

@@ -7,6 +7,11 @@
 namespace vinv::drive {
 namespace {
 
+// The compensation is a positive feedback: all of the drop would sustain whatever current flows at low speed, and stall
+// prevention could not bring it down. So it is a part, and only up to this multiple of the rated current.
+constexpr double kCompensated = 0.8;
+constexpr double kMostCompensated = 1.5;
+
 double boost_percent(const DriveSettings& s, RunDirection rotation) {
   switch (s.load_pattern) {
     case LoadPattern::kHoistBoostForward: return rotation == RunDirection::kReverse ? 0 : s.torque_boost_percent;
@@ -28,8 +33,7 @@ double vf_voltage_v_rms(const DriveSettings& settings, double frequency_hz, RunD
   const double u_boost = u_base * boost_percent(settings, rotation) / 100;
   double u = u_boost + (u_base - u_boost) * shape;
   if (settings.stator_resistance_compensation_ohm > 0) {
-    // Twice the rated current bounds the positive feedback that the compensation is.
-    const double i = std::min(current_a_rms, 2 * settings.rated_current_a_rms);
+    const double i = kCompensated * std::min(current_a_rms, kMostCompensated * settings.rated_current_a_rms);
     u = std::max(u, u_base * shape + std::numbers::sqrt3 * settings.stator_resistance_compensation_ohm * i);
   }
   return std::clamp(u, 0.0, std::max(u_base, 0.0));

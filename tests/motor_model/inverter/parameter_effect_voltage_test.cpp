@@ -53,7 +53,7 @@ TEST(ParameterEffect, VoltageFollowsTheVfParameters) {
   }
 }
 
-TEST(ParameterEffect, FluxVectorControlAddsTheDropOfTheStatorResistance) {
+TEST(ParameterEffect, FluxVectorControlAddsMostOfTheDropOfTheStatorResistance) {
   struct Case {
     Settings settings;
     double ohm;
@@ -70,7 +70,7 @@ TEST(ParameterEffect, FluxVectorControlAddsTheDropOfTheStatorResistance) {
     start(b, 20);
     b.run(3);
     const double f = b.signal("output_frequency");
-    const double expected = c.base_v * f / c.base_hz + std::sqrt(3) * c.ohm * b.signal("output_current");
+    const double expected = c.base_v * f / c.base_hz + 0.8 * std::sqrt(3) * c.ohm * b.signal("output_current");
     EXPECT_NEAR(b.signal("output_voltage"), expected, 0.01 * expected);
     EXPECT_GT(f, 20.3);  // slip compensation of the standard motor
   }
