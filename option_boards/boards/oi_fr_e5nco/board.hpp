@@ -59,16 +59,16 @@ class Board final : public OptionBoard, private SerialChannel {
     AddressSwitches sampled_switches;  // as they stood at power-on
     SerialSetup serial;
     Duration receive_slack{};
+    MailboxUser mailbox_owner = MailboxUser::kNobody;
   };
 
-  MailboxUser mailbox_owner_ = MailboxUser::kNobody;
+  State state_;
   MailboxShare modbus_port_;
   MailboxShare canopen_port_;
   port::DrivePort& drive_;
   ModbusUnit unit_;
   CanopenUnit canopen_;
   modbus::RtuServer rtu_{modbus::kSerialLineClient};
-  State state_;
 };
 
 }  // namespace vinv::boards::oi_fr_e5nco

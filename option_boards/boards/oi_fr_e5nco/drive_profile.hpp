@@ -45,6 +45,8 @@ class DriveProfile {
   DriveAction quick_stop();
   // The inverter refused what should have led to Operation enabled.
   void on_run_refused();
+  // The inverter restarted: nothing is enabled any more.
+  void on_restart() { state_ = DriveState::kSwitchOnDisabled; }
   // Fault follows the alarm; a quick stop ends at standstill.
   void follow(bool alarm, bool running);
 

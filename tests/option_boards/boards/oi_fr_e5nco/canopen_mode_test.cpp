@@ -146,6 +146,41 @@ TEST_F(OiFrE5ncoCanopenMode, LossOfTheMasterDoesWhat6007Says) {
   }
 }
 
+TEST_F(OiFrE5ncoCanopenMode, BusOffDoesWhat6007Says) {
+  const std::pair<std::uint32_t, std::optional<std::uint16_t>> reactions[] = {
+      {0, std::nullopt}, {2, bit(Terminal::kMrs)}, {3, bit(Terminal::kRl)}};
+  drive.parameters[180] = {3, 0, 18};
+  network();
+  for (const auto& [option, expected] : reactions) {
+    EXPECT_EQ(write(0x6007, 0, option, 2), "ok");
+    tell("219#02008813");
+    wait(20ms);
+    drive.executed.clear();
+    bus().set_bus_off(now, true);
+    bus().set_bus_off(now, true);
+    wait(20ms);
+    ASSERT_EQ(drive.executed.size(), expected ? 1u : 0u) << option;
+    if (expected) {
+      EXPECT_EQ(terminals(0), *expected) << option;
+    }
+    bus().set_bus_off(now, false);
+  }
+}
+
+TEST_F(OiFrE5ncoCanopenMode, StartThatFindsNoRoomIsReported) {
+  tell("000#8019");
+  drive.is_ready = true;
+  drive.ticks_to_decide = 10'000;
+  // A client that never waits: each write is abandoned by the next and waits for the inverter.
+  for (unsigned i = 0; i < 40; ++i) tell("619#2B07300037000000");
+  EXPECT_EQ(tell("000#0119"), "099#0010001519050000");
+  drive.ticks_to_decide = 1;
+  wait(100ms);
+  tell("000#0119");
+  wait(5ms);
+  EXPECT_EQ(drive.mode, OperationMode::kNetwork);
+}
+
 TEST_F(OiFrE5ncoCanopenMode, LossOfTheMasterLeavesOtherModesAlone) {
   EXPECT_EQ(write(0x6007, 0, 2, 2), "ok");
   EXPECT_EQ(write(0x100c, 0, 50, 2), "ok");
@@ -223,6 +258,28 @@ TEST_F(OiFrE5ncoCanopenBesideModbus, LastOneAtStandstillDecidesTheMode) {
   modbus("19 06 65 90 00 01");
   wait(500ms);
   EXPECT_EQ(drive.mode, OperationMode::kNetwork);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, LaterRequestOfModbusCallsLeavingOff) {
+  network();
+  drive.refuse_decision.reset();
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 06 65 90 00 01");  // before: does not count
+  drive.signals_on.set(Terminal::kStf, true);
+  tell("000#8019");
+  wait(50ms);
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 06 65 90 00 01");
+  drive.signals_on = {};
+  wait(500ms);
+  EXPECT_EQ(drive.mode, OperationMode::kNetwork);
+  drive.signals_on.set(Terminal::kStf, true);
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 06 65 90 00 01");
+  tell("000#8019");
+  drive.refuse_decision = port::Refusal::kModeChangeRefused;
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 86 05");  // refused: does not count
+  drive.refuse_decision.reset();
+  drive.signals_on = {};
+  wait(500ms);
+  EXPECT_EQ(drive.mode, OperationMode::kExternal);
 }
 
 TEST_F(OiFrE5ncoCanopenBesideModbus, EachSeesWhatTheOtherWrote) {

@@ -331,6 +331,18 @@ TEST_F(OiFrE5ncoCanopenProfile, RunsByPdo) {
   EXPECT_EQ(state(), kSwitchedOn);
 }
 
+TEST_F(OiFrE5ncoCanopenProfile, RestartOfTheInverterDisablesOperation) {
+  enable();
+  EXPECT_EQ(write(0x2107, 0, 0, 2), "ok");
+  wait(2ms);
+  EXPECT_EQ(state(), kSwitchOnDisabled);
+  wait(200ms);
+  drive.executed.clear();
+  EXPECT_EQ(control(0x0f), "ok");  // not before Ready to switch on
+  EXPECT_EQ(state(), kSwitchOnDisabled);
+  EXPECT_TRUE(drive.executed.empty());
+}
+
 TEST_F(OiFrE5ncoCanopenProfile, ResetNodeForgetsTheStateAndResetCommunicationDoesNot) {
   tell("000#8019");
   write(0x6007, 0, 2, 2);

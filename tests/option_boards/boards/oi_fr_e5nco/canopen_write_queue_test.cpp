@@ -80,6 +80,21 @@ TEST_F(OiFrE5ncoWriteQueue, HasALimit) {
   EXPECT_EQ(values[1], 0u);
 }
 
+TEST_F(OiFrE5ncoWriteQueue, UrgentWriteTakesTheRoomOfOneThatNobodyAwaits) {
+  for (std::uint32_t i = 0; i < WriteQueue::kCapacity - 2; ++i) {
+    EXPECT_TRUE(queue.put(job(WriteOrigin::kInternal, WriteTopic::kOther, i)));
+  }
+  EXPECT_TRUE(queue.put(job(WriteOrigin::kNmt, WriteTopic::kMode, 60)));
+  EXPECT_TRUE(queue.put(job(WriteOrigin::kSdo, WriteTopic::kOther, 70)));
+  queue.put_first(job(WriteOrigin::kInternal, WriteTopic::kRun, 50));
+  const auto values = run();
+  ASSERT_EQ(values.size(), WriteQueue::kCapacity);
+  EXPECT_EQ(values[0], 50u);
+  EXPECT_EQ(values[WriteQueue::kCapacity - 3], WriteQueue::kCapacity - 4);  // the last one before is gone
+  EXPECT_EQ(values[WriteQueue::kCapacity - 2], 60u);
+  EXPECT_EQ(values[WriteQueue::kCapacity - 1], 70u);
+}
+
 TEST_F(OiFrE5ncoWriteQueue, FirstRefusalEndsAJobOfTwoSteps) {
   WriteJob two = job(WriteOrigin::kPdo, WriteTopic::kRun, 50000);
   two.add({.kind = Kind::kCommand});
