@@ -24,8 +24,8 @@ std::optional<std::uint32_t> read_startup_parameter(const port::DrivePort& drive
 }  // namespace
 
 Board::Board(port::DrivePort& drive, AddressSwitches switches)
-    : modbus_port_(drive, state_.mailbox_owner, MailboxUser::kModbus),
-      canopen_port_(drive, state_.mailbox_owner, MailboxUser::kCanopen),
+    : modbus_port_(drive, state_.mailbox, MailboxUser::kModbus),
+      canopen_port_(drive, state_.mailbox, MailboxUser::kCanopen),
       drive_(drive),
       unit_(modbus_port_),
       canopen_(canopen_port_) {
@@ -42,6 +42,7 @@ void Board::handle_power(Instant now, bool on) {
     unit_.set_address(0);
     rtu_.stop();
     canopen_.stop();
+    state_.mailbox.waiting = {};
     return;
   }
   state_.supply = Supply::kStarting;

@@ -4,7 +4,7 @@
 // Order of the checks: function (01), length and quantity (03), addresses (02, or 05 for a write to an address that can
 // only be read), range of the map (03), inverter not ready (04), then what the inverter decides.
 // Reads are answered at once and need no NET modality. Writes go to the one mailbox of the inverter; while it decides,
-// further writes of any client are refused with 06.
+// further writes of any Modbus client are refused with 06; a write of CANopen is waited for.
 #pragma once
 
 #include <cstdint>

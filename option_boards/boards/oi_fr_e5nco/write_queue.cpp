@@ -13,6 +13,12 @@ bool replaces(const WriteJob& later, const WriteJob& earlier) {
   return later.topic != WriteTopic::kParameter || later.steps[0].parameter == earlier.steps[0].parameter;
 }
 
+bool stores(const port::WriteRequest& request) {
+  using Kind = port::WriteRequest::Kind;
+  return request.kind == Kind::kParameter || request.kind == Kind::kRestoreDefaults ||
+         request.kind == Kind::kClearAlarmHistory;
+}
+
 bool awaited(const WriteJob& job) { return job.origin == WriteOrigin::kSdo || job.origin == WriteOrigin::kNmt; }
 
 }  // namespace
@@ -96,7 +102,8 @@ std::optional<FinishedWrite> WriteQueue::advance(Instant now, port::DrivePort& d
     InWork& work = *state_.in_work;
     if (!outcome) return finish(Unexpected(port::Refusal::kNotReady), true);
     if (!*outcome) return finish(*outcome, false);
-    work.storage_failed = work.storage_failed || drive.storage_failures() != work.storage_failures_before;
+    work.storage_failed = work.storage_failed || (stores(work.job.steps[work.step]) &&
+                                                  drive.storage_failures() != work.storage_failures_before);
     work.posted = false;
     if (++work.step == work.job.count) return finish(*outcome, false);
   }

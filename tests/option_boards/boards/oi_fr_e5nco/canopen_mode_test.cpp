@@ -294,15 +294,55 @@ TEST_F(OiFrE5ncoCanopenBesideModbus, EachSeesWhatTheOtherWrote) {
   EXPECT_EQ(drive.executed[drive.executed.size() - 2].terminals.bits, bit(Terminal::kStop));
 }
 
-TEST_F(OiFrE5ncoCanopenBesideModbus, MailboxIsBusyForModbusWhileCanopenWaits) {
+TEST_F(OiFrE5ncoCanopenBesideModbus, ModbusWaitsWhileCanopenHasTheMailbox) {
   network();
   drive.ticks_to_decide = 50;
   EXPECT_EQ(tell("619#2B07300037000000"), "");
-  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 20ms), "19 86 06");
-  EXPECT_EQ(wait(50ms), "599#6007300000000000");
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 45ms), "");
+  EXPECT_EQ(wait(10ms), "599#6007300000000000");
   EXPECT_EQ(drive.parameters[7].value, 55u);
+  EXPECT_TRUE(sent.empty());
+  wait(50ms);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(to_hex(ByteView(sent[0].bytes).first(6)), "19 06 4E 2E 00 4E");
+  EXPECT_EQ(drive.parameters[7].value, 78u);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, FloodOfPdosDoesNotKeepModbusFromWriting) {
+  network();
+  drive.ticks_to_decide = 2;
+  sent.clear();
+  receive(frame("19 06 4E 2E 00 4E"));
+  for (int i = 0; i < 20; ++i) {
+    tell("219#02008813");
+    advance(1ms);
+  }
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(to_hex(ByteView(sent[0].bytes).first(6)), "19 06 4E 2E 00 4E");
+  EXPECT_EQ(drive.parameters[7].value, 78u);
+  EXPECT_GT(drive.executed.size(), 5u);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, WriteThatWaitsForARestartingInverterIsNotReady) {
+  network();
+  drive.ticks_to_decide = 30;
+  EXPECT_EQ(tell("619#2B07210000000000"), "");
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 60ms), "19 86 04");
+  EXPECT_EQ(taken(), "599#6007210000000000");
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, WriteThatWaitedWhenTheSupplyWentIsForgotten) {
+  network();
+  drive.ticks_to_decide = 30;
+  EXPECT_EQ(tell("619#2B07300037000000"), "");
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 10ms), "");
+  power_cycle();
   drive.ticks_to_decide = 1;
-  EXPECT_EQ(modbus("19 06 4E 2E 00 4E"), "19 06 4E 2E 00 4E");
+  drive.executed.clear();
+  wait(100ms);
+  EXPECT_TRUE(drive.executed.empty());
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4F"), "19 06 4E 2E 00 4F");
+  EXPECT_EQ(write(0x3007, 0, 56, 2), "ok");
 }
 
 TEST_F(OiFrE5ncoCanopenBesideModbus, CanopenWaitsWhileModbusHasTheMailbox) {
