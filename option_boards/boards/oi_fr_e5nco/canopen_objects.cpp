@@ -98,6 +98,7 @@ Result<std::uint32_t, AbortCode> CanopenUnit::read(const ObjectRow& row, std::ui
       return state_.profile.statusword({.alarm = status.alarm,
                                         .ready = drive_.ready(),
                                         .network_mode = drive_.operation_mode() == port::OperationMode::kNetwork,
+                                        .running = status.running,
                                         .up_to_frequency = status.up_to_frequency,
                                         .overload = status.overload});
     }

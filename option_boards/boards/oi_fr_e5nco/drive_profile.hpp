@@ -33,6 +33,7 @@ struct DriveConditions {
   bool alarm = false;
   bool ready = false;            // the inverter has started up
   bool network_mode = false;     // commands of the network count
+  bool running = false;          // the output is on
   bool up_to_frequency = false;  //
   bool overload = false;
 };

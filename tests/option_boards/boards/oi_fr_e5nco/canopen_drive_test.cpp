@@ -175,6 +175,51 @@ TEST_F(OiFrE5ncoCanopenDrive, ModbusAndNmtTakeTheModeFromEachOtherAtStandstill) 
   EXPECT_EQ(mode(), OperationMode::kExternal);
 }
 
+TEST_F(OiFrE5ncoCanopenDrive, CommandRightOfTheTerminalsIsLocalControl) {
+  download(0x3000 + 338, 0, 1, 2);  // operation by the terminals
+  EXPECT_EQ(write("605#2B00400002000000"), "585#8000400021000008");
+  EXPECT_EQ(write("605#2B00400000000000"), "585#6000400000000000");  // releasing is everybody's right
+  download(0x3000 + 338, 0, 0, 2);
+  download(0x3000 + 339, 0, 1, 2);  // speed by the terminals: the board's converter is one
+  EXPECT_EQ(write("605#2B01400088130000"), "585#8001400021000008");
+  EXPECT_EQ(write("605#2B014001DC050000"), "585#8001400121000008");
+  tell("205#00008813");
+  run(5ms);
+  EXPECT_EQ(taken(), "085#0010001512050000");  // the frequency; the command word was accepted
+}
+
+TEST_F(OiFrE5ncoCanopenDrive, AnalogSpeedSetsTheFrequencyThroughTheConverter) {
+  EXPECT_EQ(write("605#2B014002FF000000"), "585#8001400221000008");  // needs Pr.339 = 1
+  download(0x3000 + 339, 0, 1, 2);
+  download(0x4001, 2, 255, 2);
+  download(0x4000, 0, 2, 2);
+  run(1500ms);
+  const double full_scale = hz();
+  EXPECT_NEAR(full_scale, 50, 0.3);
+  download(0x4001, 2, 102, 2);
+  run(1500ms);
+  EXPECT_NEAR(hz(), full_scale * 102 / 255, 0.3);
+  download(0x4001, 2, 0, 2);
+  run(1500ms);
+  EXPECT_NEAR(hz(), 0, 0.3);
+}
+
+TEST_F(OiFrE5ncoCanopenDrive, AlarmsBufferShiftsAndIsCleared) {
+  for (const char* alarm : {"E.OC1", "E.OV3", "E.THM"}) {
+    ASSERT_TRUE(inverter_->inject_fault(alarm, true));
+    run(60ms);
+    write("605#2B07210000000000");
+    run(1200ms);
+  }
+  taken();
+  EXPECT_EQ(tell("605#4000340000000000"), "585#4B00340031220000");
+  EXPECT_EQ(tell("605#4001340000000000"), "585#4B01340010000000");
+  EXPECT_EQ(write("605#2B06210000000000"), "585#6006210000000000");
+  run(5ms);
+  EXPECT_EQ(tell("605#4000340000000000"), "585#4B00340000000000");
+  EXPECT_EQ(tell("605#4001340000000000"), "585#4B01340000000000");
+}
+
 TEST_F(OiFrE5ncoCanopenDrive, ControlwordResetsATripAndRunsAgain) {
   enable(1000);
   run(1s);

@@ -230,8 +230,12 @@ TEST_F(OiFrE5ncoCanopenProfile, OperationThatTheInverterRefusesIsNotEnabled) {
 
 TEST_F(OiFrE5ncoCanopenProfile, HaltReleasesTheStartSignals) {
   enable();
+  drive.status_now.running = drive.status_now.up_to_frequency = true;
   EXPECT_EQ(control(0x10f), "ok");
   EXPECT_EQ(state(), kEnabled);
+  EXPECT_EQ(statusword() & 0x0400u, 0u);  // the target is standstill now
+  drive.status_now.running = drive.status_now.up_to_frequency = false;
+  EXPECT_EQ(statusword() & 0x0400u, 0x0400u);
   EXPECT_EQ(drive.executed.back().terminals.bits, 0);
   EXPECT_EQ(control(0x0f), "ok");
   EXPECT_EQ(drive.executed.back().terminals.bits, bit(Terminal::kStf));
