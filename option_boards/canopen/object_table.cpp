@@ -81,8 +81,7 @@ ObjectRow parse_row(std::string_view line, std::span<const std::string_view> app
     row.default_adds_node = true;
     text.remove_prefix(kNodePrefix.size());
   }
-  row.raw_default =
-      row.type == DataType::kVisibleString4 ? raw_text(text) : number_of_field<std::uint32_t>(text, 0);
+  row.raw_default = row.type == DataType::kVisibleString4 ? raw_text(text) : number_of_field<std::uint32_t>(text, 0);
   VINV_CHECK(row.first <= row.last && row.first_sub <= row.last_sub);
   return row;
 }

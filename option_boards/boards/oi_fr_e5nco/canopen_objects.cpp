@@ -165,7 +165,8 @@ std::optional<WriteResult> CanopenUnit::write(Instant /*now*/, Origin origin, co
     case kControlword: return write_controlword(origin, static_cast<std::uint16_t>(raw));
     case kTargetVelocity: return write_target_velocity(origin, static_cast<std::int16_t>(value));
     case kFrequencyParameter:
-      return write_parameter(origin, {static_cast<std::uint16_t>(row.argument), 0}, raw_frequency_of_rpm(raw, poles_of(drive_)));
+      return write_parameter(origin, {static_cast<std::uint16_t>(row.argument), 0},
+                             raw_frequency_of_rpm(raw, poles_of(drive_)));
     case kDeltaTime:
       return write_parameter(origin, {static_cast<std::uint16_t>(row.argument), 0}, raw * increments_per_second());
     case kModeOfOperation: return WriteResult{};

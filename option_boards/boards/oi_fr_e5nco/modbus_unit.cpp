@@ -158,7 +158,8 @@ void ModbusUnit::collect_outcome() {
   const PendingWrite write = *std::exchange(state_.pending, std::nullopt);
   if (!outcome) {
     // The inverter restarted and its mailbox is empty: for a reset that is the success.
-    outcome = write.kind == Kind::kResetInverter ? port::WriteOutcome{} : port::WriteOutcome{Unexpected(port::Refusal::kNotReady)};
+    outcome = write.kind == Kind::kResetInverter ? port::WriteOutcome{}
+                                                 : port::WriteOutcome{Unexpected(port::Refusal::kNotReady)};
   }
   if (write.kind == Kind::kOperationMode && *outcome) state_.mode_asked_at = write.posted_at;
   if (write.client) answer(*write.client, write_answer(write.request, *outcome));

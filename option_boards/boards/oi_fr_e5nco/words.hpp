@@ -1,5 +1,6 @@
-// Words that the board exchanges with any master: command, status, alarms, speed in rpm. The same on Modbus and CANopen.
-// OI-FR-E5NCO manual: 8.7.4 and 6.2.4.1 command, 8.7.5 and 6.2.4.2 status, 8.7.2 and 6.2.3 alarms, 8.7.7 speed in rpm.
+// Words that the board exchanges with any master: command, status, alarms, speed in rpm. The same on Modbus and
+// CANopen. OI-FR-E5NCO manual: 8.7.4 and 6.2.4.1 command, 8.7.5 and 6.2.4.2 status, 8.7.2 and 6.2.3 alarms, 8.7.7 speed
+// in rpm.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The board on CANopen in front of a real FR-E500 model: run by PDO and by the velocity mode, trip, reset, fail to store,
-// change modes. OI-FR-E5NCO manual, 4.2, 6, 7.
+// The board on CANopen in front of a real FR-E500 model: run by PDO and by the velocity mode, trip, reset, fail to
+// store, change modes. OI-FR-E5NCO manual, 4.2, 6, 7.
 #include "tests/option_boards/boards/oi_fr_e5nco/canopen_drive_bench.hpp"
 
 namespace vinv::test {

@@ -139,7 +139,7 @@ TEST_F(OiFrE5ncoCanopenManual, EveryCodeOfTheEmergencyMessageIsSent) {
   network();
   tell("319#");
   EXPECT_EQ(tell("319#FFFF"), "099#0000000000050000");  // a good one after a short one
-  EXPECT_EQ(wait(5ms), "099#0010001511050000");  // Pr.7 ends at 36000
+  EXPECT_EQ(wait(5ms), "099#0010001511050000");         // Pr.7 ends at 36000
   EXPECT_EQ(tell("199#R8"), "099#0082002C00050000");
   drive.storage_fails = true;
   tell("319#3300");
