@@ -95,7 +95,6 @@ void Slave::enter(Instant now, NmtState next) {
   if (next == NmtState::kOperational) {
     start_pdos(now);
   } else {
-    for (Rpdo& rpdo : state_.rpdos) rpdo.buffered = false;
     for (Tpdo& tpdo : state_.tpdos) tpdo.transmit = false;
   }
   if (next == NmtState::kStopped) {

@@ -359,6 +359,13 @@ TEST_F(CanopenSlaveEmergency, StoppedNodeKeepsTheMostRecentForLater) {
   EXPECT_EQ(tell("000#8005"), "085#0020000000000000");
 }
 
+TEST_F(CanopenSlaveEmergency, WhatTheBusDidNotTakeBeforeAStopIsForgottenButForTheMostRecent) {
+  slave.send_emergency({0x1000, {}});
+  slave.send_emergency({0x2000, {}});
+  EXPECT_EQ(tell("000#0205"), "");
+  EXPECT_EQ(tell("000#8005"), "085#0020000000000000");
+}
+
 TEST_F(CanopenSlaveEmergency, QueueHasALimitAndLosesTheOldest) {
   for (std::uint16_t i = 0; i < 20; ++i) slave.send_emergency({i, {}});
   std::vector<CanFrame> sent;
