@@ -336,9 +336,9 @@ TEST_F(OiFrE5ncoCanopenBesideModbus, WriteThatWaitedWhenTheSupplyWentIsForgotten
   drive.ticks_to_decide = 30;
   EXPECT_EQ(tell("619#2B07300037000000"), "");
   EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 10ms), "");
-  power_cycle();
   drive.ticks_to_decide = 1;
   drive.executed.clear();
+  power_cycle();
   wait(100ms);
   EXPECT_TRUE(drive.executed.empty());
   EXPECT_EQ(modbus("19 06 4E 2E 00 4F"), "19 06 4E 2E 00 4F");
