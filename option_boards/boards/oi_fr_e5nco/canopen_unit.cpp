@@ -218,7 +218,7 @@ void CanopenUnit::leave_network(Instant now) {
     state_.leaves_since.reset();
     return;
   }
-  if (drive_.status().running || drive_.start_signals().bits != 0 || queue_.holds(WriteTopic::kRun)) return;
+  if (drive_.status().running || drive_.start_signals().bits != 0) return;
   if (state_.leave_next_at && now < *state_.leave_next_at) return;
   state_.leave_next_at.reset();
   WriteJob job{.origin = WriteOrigin::kInternal, .topic = WriteTopic::kMode};

@@ -180,6 +180,21 @@ TEST_F(CanopenSlaveGuarding, EachRequestRestartsTheLifeTimeAndEndsALoss) {
   EXPECT_EQ(guarding, (std::vector<bool>{true, false, true}));
 }
 
+TEST_F(CanopenSlaveGuarding, NewLifeTimeOfALostMasterCountsFromItsNextRequest) {
+  drain();
+  write(0x100c, 0, 100, 2);
+  write(0x100d, 0, 1, 1);
+  tell("705#R1");
+  advance(100ms);
+  EXPECT_EQ(guarding, std::vector<bool>{true});
+  write(0x100c, 0, 50, 2);
+  advance(10s);
+  EXPECT_EQ(guarding, std::vector<bool>{true});  // it is lost already
+  tell("705#R1");
+  advance(50ms);
+  EXPECT_EQ(guarding, (std::vector<bool>{true, false, true}));
+}
+
 TEST_F(CanopenSlaveGuarding, ZeroInEitherObjectIsNoLifeGuarding) {
   drain();
   write(0x100c, 0, 100, 2);

@@ -239,6 +239,13 @@ TEST_F(CanopenSlaveTpdo, NothingIsSentOutsideOperational) {
   EXPECT_EQ(tell("000#0105"), kSeven);
 }
 
+TEST_F(CanopenSlaveTpdo, WhatTheBusDidNotTakeIsForgottenOutsideOperational) {
+  start(1);
+  slave.handle_frame(now, can("080#"));
+  EXPECT_EQ(tell("000#8005"), "");
+  EXPECT_EQ(tell("000#0105"), "");
+}
+
 TEST_F(CanopenSlaveTpdo, BusyBusGetsTheLatestDataOnce) {
   start(1);
   values[0] = 1;

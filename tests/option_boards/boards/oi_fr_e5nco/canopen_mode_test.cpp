@@ -206,6 +206,34 @@ TEST_F(OiFrE5ncoCanopenMode, ReactionOvertakesWhatWaits) {
   EXPECT_EQ(last, bit(Terminal::kMrs));
 }
 
+TEST_F(OiFrE5ncoCanopenMode, ReactionIsTheNextThingThatTheInverterDoes) {
+  map(0x1601, {0x30070010});
+  network();
+  EXPECT_EQ(write(0x6007, 0, 2, 2), "ok");
+  drive.ticks_to_decide = 5;
+  tell("219#02008813");
+  tell("319#3200");
+  tell("000#0219");
+  wait(15ms);
+  ASSERT_GE(drive.executed.size(), 2u);
+  EXPECT_EQ(terminals(0), bit(Terminal::kStf));  // was with the inverter already
+  EXPECT_EQ(terminals(1), bit(Terminal::kMrs));
+}
+
+TEST_F(OiFrE5ncoCanopenMode, RefusalIsReportedAgainAfterAnNmtCommand) {
+  network();
+  drive.mode = OperationMode::kPu;
+  drive.refuse_decision = port::Refusal::kWrongMode;
+  tell("219#02008813");
+  EXPECT_EQ(wait(10ms), "099#0010001513050000 099#0010001513050000");
+  tell("219#02008813");
+  EXPECT_EQ(wait(10ms), "");
+  tell("000#0119");
+  wait(10ms);
+  tell("219#02008813");
+  EXPECT_EQ(wait(10ms), "099#0010001513050000 099#0010001513050000");
+}
+
 TEST_F(OiFrE5ncoCanopenMode, BootingDoesNotUndoPr340) {
   drive.mode = OperationMode::kNetwork;
   drive.posted.clear();
@@ -279,6 +307,20 @@ TEST_F(OiFrE5ncoCanopenBesideModbus, LaterRequestOfModbusCallsLeavingOff) {
   drive.refuse_decision.reset();
   drive.signals_on = {};
   wait(500ms);
+  EXPECT_EQ(drive.mode, OperationMode::kExternal);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, EarlierRequestOfModbusThatIsDecidedLaterDoesNotCount) {
+  network();
+  drive.signals_on.set(Terminal::kStf, true);
+  drive.ticks_to_decide = 30;
+  EXPECT_EQ(modbus("19 06 65 90 00 01", 15ms), "");
+  tell("000#8019");
+  wait(50ms);
+  ASSERT_EQ(sent.size(), 1u);
+  drive.ticks_to_decide = 1;
+  drive.signals_on = {};
+  wait(50ms);
   EXPECT_EQ(drive.mode, OperationMode::kExternal);
 }
 

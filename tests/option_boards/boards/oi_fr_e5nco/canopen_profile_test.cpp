@@ -113,6 +113,17 @@ TEST(OiFrE5ncoDriveProfile, EveryCommandInEveryState) {
   }
 }
 
+TEST(OiFrE5ncoDriveProfile, QuickStopLastsUntilATickHasShownWhetherTheMotorTurns) {
+  DriveProfile profile;
+  for (const std::uint16_t word : {0x06, 0x07, 0x0f, 0x02}) profile.handle_controlword(word);
+  profile.follow(false, false);
+  EXPECT_EQ(profile.state(), DriveState::kQuickStopActive);
+  profile.follow(false, true);
+  EXPECT_EQ(profile.state(), DriveState::kQuickStopActive);
+  profile.follow(false, false);
+  EXPECT_EQ(profile.state(), DriveState::kSwitchOnDisabled);
+}
+
 TEST_F(OiFrE5ncoCanopenProfile, EveryTransitionOfTheStateMachine) {
   EXPECT_EQ(state(), kSwitchOnDisabled);  // after power-on
   EXPECT_EQ(control(0x06), "ok");         // 2
@@ -226,6 +237,28 @@ TEST_F(OiFrE5ncoCanopenProfile, OperationThatTheInverterRefusesIsNotEnabled) {
   drive.mode = port::OperationMode::kNetwork;
   EXPECT_EQ(control(0x0f), "ok");
   EXPECT_EQ(state(), kEnabled);
+}
+
+TEST_F(OiFrE5ncoCanopenProfile, OperationIsNotEnabledWhileTheInverterIsNotReady) {
+  control(0x06);
+  control(0x07);
+  drive.is_ready = false;
+  EXPECT_EQ(control(0x0f), "08000022");
+  EXPECT_EQ(state(), kSwitchedOn);
+}
+
+TEST_F(OiFrE5ncoCanopenProfile, TargetsThatWaitAreTakenBackTogether) {
+  write(0x6042, 0, 1500, 2);
+  enable();
+  map(0x1601, {0x30070010});
+  map(0x1602, {0x60420010});
+  drive.ticks_to_decide = 5;
+  tell("319#3200");  // is with the inverter
+  tell("419#E803");  // 1000 rpm waits,
+  tell("419#204E");  // and 20000 rpm takes its place and is refused
+  EXPECT_EQ(read(0x6042), "=4E20");
+  EXPECT_EQ(wait(20ms), "099#0010001511050000");
+  EXPECT_EQ(read(0x6042), "=05DC");
 }
 
 TEST_F(OiFrE5ncoCanopenProfile, HaltReleasesTheStartSignals) {

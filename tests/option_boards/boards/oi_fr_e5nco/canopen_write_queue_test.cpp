@@ -137,6 +137,23 @@ TEST_F(OiFrE5ncoWriteQueue, SharesOfTheMailboxTakeTurns) {
   EXPECT_EQ(run(0), (std::vector<std::uint32_t>{1, 2, 3}));
 }
 
+TEST_F(OiFrE5ncoWriteQueue, CommandIsNotBlamedForWhatModbusCouldNotStore) {
+  Mailbox mailbox;
+  MailboxShare modbus(drive, mailbox, MailboxUser::kModbus), canopen(drive, mailbox, MailboxUser::kCanopen);
+  drive.storage_fails = true;
+  ASSERT_TRUE(modbus.post_write(now, {.kind = Kind::kParameter, .parameter = {7, 0}, .value = 60}));
+  queue.put(job(WriteOrigin::kSdo, WriteTopic::kFrequency, 2));
+  EXPECT_FALSE(queue.advance(now, canopen));
+  drive.tick();
+  EXPECT_TRUE(modbus.take_outcome());
+  EXPECT_EQ(drive.storage_failures(), 1u);
+  drive.tick();
+  const auto done = queue.advance(now, canopen);
+  ASSERT_TRUE(done);
+  EXPECT_TRUE(done->outcome);
+  EXPECT_FALSE(done->storage_failed);
+}
+
 TEST_F(OiFrE5ncoWriteQueue, ShareWhoseWriteIsLostGivesTheMailboxOn) {
   Mailbox mailbox;
   MailboxShare modbus(drive, mailbox, MailboxUser::kModbus), canopen(drive, mailbox, MailboxUser::kCanopen);
