@@ -16,6 +16,14 @@
 
 namespace vinv::fuzz {
 
+// What of the node was on the wire, also when the node had left before the end of its frame.
+struct WireOfOther : transports::CanBusObserver {
+  void on_frame(Instant, const CanFrame& frame, std::string_view sender) override {
+    if (sender == "other") frames.push_back(frame);
+  }
+  std::vector<CanFrame> frames;
+};
+
 class CanClientBench {
  public:
   CanClientBench() {
@@ -31,8 +39,8 @@ class CanClientBench {
       VINV_CHECK(transports::is_well_formed(frame));
       heard_by_other.push_back(frame);
     };
-    handlers.on_sent = [this](Instant, const CanFrame& frame) { sent_by_other.push_back(frame); };
     other->set_handlers(std::move(handlers));
+    bus->observe(wire);
   }
 
   // A new client; returns the server's end of its connection.
@@ -70,7 +78,8 @@ class CanClientBench {
   std::unique_ptr<transports::CanBus> bus;
   std::unique_ptr<transports::CanNode> other;
   std::vector<CanFrame> heard_by_other;
-  std::vector<CanFrame> sent_by_other;  // what really was on the wire
+  std::shared_ptr<WireOfOther> wire = std::make_shared<WireOfOther>();
+  const std::vector<CanFrame>& sent_by_other = wire->frames;
   std::unique_ptr<transports::ByteStream> client;
   std::string heard;  // by the client
   bool closed = false;
