@@ -190,6 +190,7 @@ void CanBus::set_faults(CanFaultPlan plan) {
 
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }
+kernel::Scheduler& CanBus::scheduler() const { return impl_->scheduler; }
 
 CanBusStats CanBus::stats(Instant now) const {
   Impl& impl = *impl_;

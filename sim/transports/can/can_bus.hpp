@@ -104,6 +104,7 @@ class CanBus {
   void inject_error_frame(Instant now);
 
   const CanBusOptions& options() const;
+  kernel::Scheduler& scheduler() const;
   CanBusStats stats(Instant now) const;
 
  private:
