@@ -47,11 +47,15 @@ void CanBus::Impl::plan_start(Instant now) {
 }
 
 void CanBus::Impl::plan_start_at(Instant start) {
-  if (wire_event != 0) scheduler.cancel(wire_event);
+  if (wire_event != 0) scheduler.cancel(std::exchange(wire_event, 0));
   phase = Phase::kStarting;
   sof_at = start;
   // One bit later, so that what is sent in the same instant or bit takes part, whatever its priority in the queue.
-  wire_event = scheduler.schedule(std::max(start + bits(1), scheduler.now()), kernel::Priority::kWire, [this](Instant) {
+  schedule_arbitration();
+}
+
+void CanBus::Impl::schedule_arbitration() {
+  wire_event = scheduler.schedule(std::max(sof_at + bits(1), scheduler.now()), kernel::Priority::kWire, [this](Instant) {
     wire_event = 0;
     arbitrate();
   });
@@ -59,24 +63,28 @@ void CanBus::Impl::plan_start_at(Instant start) {
 
 void CanBus::Impl::arbitrate() {
   transmitters.clear();
+  const auto takes_part = [&](const CanNodeState& n) {
+    return n.count > 0 && n.may_send() && n.head().ready_at <= sof_at + bits(1) && n.not_before <= sof_at;
+  };
   std::uint32_t best = ~std::uint32_t{0};
   bool garbled = false;
+  std::size_t competitors = 0;
   for (const NodePtr& n : nodes) {
-    if (!n->may_send() || n->count == 0) continue;
-    if (n->head().ready_at > sof_at + bits(1) || n->not_before > sof_at) continue;
-    transmitters.push_back(n);
+    if (!takes_part(*n)) continue;
+    ++competitors;
     best = std::min(best, can_arbitration_key(n->head().frame));
     garbled = garbled || !has_bus_rate(*n);
   }
-  if (transmitters.empty()) {
+  if (competitors == 0) {
     phase = Phase::kFree;
     disturb_start = false;
+    plan_recovery();
     return plan_start(scheduler.now());
   }
-  if (!garbled) {
-    arbitrations_lost +=
-        std::erase_if(transmitters, [&](const NodePtr& n) { return can_arbitration_key(n->head().frame) != best; });
+  for (const NodePtr& n : nodes) {
+    if (takes_part(*n) && (garbled || can_arbitration_key(n->head().frame) == best)) transmitters.push_back(n);
   }
+  arbitrations_lost += competitors - transmitters.size();
   end_recessive(sof_at);
   for (const NodePtr& n : transmitters) n->first_is_on_wire = true;
   const CanNodeState::Waiting& head = transmitters.front()->head();
@@ -85,7 +93,11 @@ void CanBus::Impl::arbitrate() {
   const CanWireBits wire = can_wire_bits(on_wire);
   on_wire_bits = wire.frame_bits();
   decide(garbled, wire);
-  schedule_end();
+  phase = Phase::kBusy;
+  if (is_timed())
+    schedule_end();
+  else
+    finish(scheduler.now());
 }
 
 void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
@@ -141,7 +153,6 @@ bool CanBus::Impl::is_transmitter(const CanNodeState& n) const {
 }
 
 void CanBus::Impl::schedule_end() {
-  phase = Phase::kBusy;
   wire_event = scheduler.schedule(std::max(ends_at, scheduler.now()), kernel::Priority::kWire, [this](Instant now) {
     wire_event = 0;
     finish(now);
@@ -159,12 +170,15 @@ void CanBus::Impl::finish(Instant now) {
     recessive_since -= bits(kFlagBits + 2);
   }
   count(now);
-  ++reporting;
+  begin_reporting();
+  finishing = true;
   report_attempt(now);
   report_states(now);
-  if (--reporting == 0) forget_detached();
+  finishing = false;
+  end_reporting();
   transmitters.clear();
   if (closed) return;
+  if (std::exchange(disturb_after, false)) return disturb(now);
   plan_recovery();
   plan_start(now);
 }
@@ -176,6 +190,7 @@ void CanBus::Impl::count(Instant now) {
     ++error_frames;
   for (const NodePtr& n : nodes) {
     if (!was_there(*n) || is_transmitter(*n) || n->options.listen_only) continue;
+    const CanState before = n->counters.state();
     if (outcome == Outcome::kSuccess && has_bus_rate(*n)) n->counters.on_received();
     if (outcome != Outcome::kDestroyed) continue;
     if (has_bus_rate(*n)) {
@@ -184,10 +199,12 @@ void CanBus::Impl::count(Instant now) {
       n->counters.on_receive_error();
       n->counters.on_dominant_after_flag();
     }
+    states_changed = states_changed || n->counters.state() != before;
   }
   for (const NodePtr& t : transmitters) {
     // Switched off, or bus off by force, since its frame began.
     const bool left = !t->participates();
+    const CanState before = t->counters.state();
     if (!left) {
       switch (outcome) {
         case Outcome::kSuccess: t->counters.on_transmitted(); break;
@@ -204,6 +221,7 @@ void CanBus::Impl::count(Instant now) {
         ++t->lost;
     }
     if (left) continue;
+    states_changed = states_changed || t->counters.state() != before;
     if (t->counters.is_bus_off())
       enter_bus_off(now, *t);
     else if (t->counters.is_passive())
@@ -225,40 +243,45 @@ void CanBus::Impl::report_attempt(Instant now) {
   }
   if (outcome != Outcome::kSuccess) return;
   for (const NodePtr& t : transmitters) {
-    const auto handlers = t->handlers;
-    if (t->participates() && handlers && handlers->on_sent) handlers->on_sent(now, on_wire);
+    const CanHandlers* const handlers = t->handlers.get();
+    if (t->participates() && handlers != nullptr && handlers->on_sent) handlers->on_sent(now, on_wire);
   }
   if (drop_on_wire) return;
   const std::size_t count = nodes.size();
   for (std::size_t i = 0; i < count && !closed; ++i) {
-    const NodePtr n = nodes[i];
+    CanNodeState* const n = nodes[i].get();
     if (!hears(*n) || is_transmitter(*n)) continue;
     ++n->received;
-    const auto handlers = n->handlers;
-    if (handlers && handlers->on_frame) handlers->on_frame(now, on_wire);
+    const CanHandlers* const handlers = n->handlers.get();
+    if (handlers != nullptr && handlers->on_frame) handlers->on_frame(now, on_wire);
   }
 }
 
 void CanBus::Impl::report_states(Instant now) {
+  if (!std::exchange(states_changed, false)) return;
   const auto keep = shared_from_this();
-  ++reporting;
+  begin_reporting();
   for (std::size_t i = 0; i < nodes.size() && !closed; ++i) {
-    const NodePtr n = nodes[i];
+    CanNodeState* const n = nodes[i].get();
     if (!n->attached || n->state() == n->reported) continue;
     n->reported = n->state();
     for (std::size_t k = 0; k < observers.size(); ++k) {
       const auto observer = observers[k];
       observer->on_node_state(now, n->options.name, n->status());
     }
-    const auto handlers = n->handlers;
-    if (handlers && handlers->on_state) handlers->on_state(now, n->status());
+    const CanHandlers* const handlers = n->handlers.get();
+    if (handlers != nullptr && handlers->on_state) handlers->on_state(now, n->status());
   }
-  if (--reporting == 0) forget_detached();
+  end_reporting();
 }
 
 void CanBus::Impl::disturb(Instant now) {
   if (closed) return;
   now = std::max(now, scheduler.now());
+  if (finishing) {  // by a handler: the ended attempt is still looked at
+    disturb_after = true;
+    return;
+  }
   if (phase == Phase::kLone) leave_lone(now);
   if (phase == Phase::kStarting && sof_at <= now) {
     disturb_start = true;
@@ -277,12 +300,13 @@ void CanBus::Impl::disturb(Instant now) {
   end_recessive(now);
   sof_at = now;
   destroy_after(0, CanErrorCause::kErrorFrame);
+  phase = Phase::kBusy;
   schedule_end();
 }
 
 // The recessive run that ends here held sequences for the nodes that count them.
 void CanBus::Impl::end_recessive(Instant at) {
-  if (!is_timed()) return;
+  if (!is_timed() || recovering == 0) return;
   if (recovery_event != 0) scheduler.cancel(std::exchange(recovery_event, 0));
   for (const NodePtr& n : nodes) {
     if (!n->recovering) continue;
@@ -294,6 +318,7 @@ void CanBus::Impl::end_recessive(Instant at) {
 }
 
 void CanBus::Impl::plan_recovery() {
+  if (recovering == 0 && recovery_event == 0) return;
   if (is_timed() && phase == Phase::kBusy) return;
   Instant soonest = kForever;
   for (const NodePtr& n : nodes) {
@@ -310,12 +335,15 @@ void CanBus::Impl::plan_recovery() {
 }
 
 void CanBus::Impl::check_recovery(Instant now) {
+  // A frame has begun, and its arbitration counts the sequences before it.
+  if (is_timed() && phase == Phase::kStarting && sof_at < now) return;
   const auto keep = shared_from_this();
   for (const NodePtr& n : nodes) {
     if (!n->recovering) continue;
     const Instant from = is_timed() ? std::max(recessive_since, n->recovery_from) : n->recovery_from;
     if (from + bit * kRecoveryBits * n->recovery_left > now) continue;
-    n->recovering = false;
+    stop_recovery(*n);
+    states_changed = true;
     n->counters = {};
     n->joined_at = now;
     n->not_before = now;
