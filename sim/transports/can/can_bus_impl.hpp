@@ -53,9 +53,14 @@ struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
   void plan_start(Instant now);
   void plan_start_at(Instant start);
   void arbitrate();
-  void decide(bool garbled, const CanWireBits& wire);
+  void decide(bool garbled);
   void destroy_after(std::int64_t wire_bits, CanErrorCause why);
-  bool is_transmitter(const CanNodeState& n) const;
+  bool is_transmitter(const CanNodeState& n) const {
+    for (const NodePtr& t : transmitters) {
+      if (t.get() == &n) return true;
+    }
+    return false;
+  }
   void schedule_arbitration();
   void schedule_end();
   void finish(Instant now);
@@ -94,6 +99,7 @@ struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
   bool states_changed = false;   // some node's state may not be what was reported
   // Of the attempt under way; none: an error frame on a free bus.
   std::vector<NodePtr> transmitters;
+  std::vector<NodePtr*> competitors;  // while arbitrate() runs
 };
 
 }  // namespace vinv::transports

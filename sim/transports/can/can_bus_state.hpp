@@ -93,7 +93,6 @@ struct CanWireData {
 
   // The attempt under way.
   CanFrame on_wire;
-  unsigned on_wire_bits = 0;  // to the last bit of end of frame
   bool drop_on_wire = false;
   Outcome outcome = Outcome::kSuccess;
   CanErrorCause cause = CanErrorCause::kCorrupted;

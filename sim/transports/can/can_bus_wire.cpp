@@ -68,31 +68,29 @@ void CanBus::Impl::arbitrate() {
   };
   std::uint32_t best = ~std::uint32_t{0};
   bool garbled = false;
-  std::size_t competitors = 0;
-  for (const NodePtr& n : nodes) {
+  competitors.clear();
+  for (NodePtr& n : nodes) {
     if (!takes_part(*n)) continue;
-    ++competitors;
+    competitors.push_back(&n);
     best = std::min(best, can_arbitration_key(n->head().frame));
     garbled = garbled || !has_bus_rate(*n);
   }
-  if (competitors == 0) {
+  if (competitors.empty()) {
     phase = Phase::kFree;
     disturb_start = false;
     plan_recovery();
     return plan_start(scheduler.now());
   }
-  for (const NodePtr& n : nodes) {
-    if (takes_part(*n) && (garbled || can_arbitration_key(n->head().frame) == best)) transmitters.push_back(n);
+  for (const NodePtr* n : competitors) {
+    if (garbled || can_arbitration_key((*n)->head().frame) == best) transmitters.push_back(*n);
   }
-  arbitrations_lost += competitors - transmitters.size();
+  arbitrations_lost += competitors.size() - transmitters.size();
   end_recessive(sof_at);
   for (const NodePtr& n : transmitters) n->first_is_on_wire = true;
   const CanNodeState::Waiting& head = transmitters.front()->head();
   on_wire = head.frame;
   drop_on_wire = head.verdict.drop;
-  const CanWireBits wire = can_wire_bits(on_wire);
-  on_wire_bits = wire.frame_bits();
-  decide(garbled, wire);
+  decide(garbled);
   phase = Phase::kBusy;
   if (is_timed())
     schedule_end();
@@ -100,7 +98,7 @@ void CanBus::Impl::arbitrate() {
     finish(scheduler.now());
 }
 
-void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
+void CanBus::Impl::decide(bool garbled) {
   bool acknowledged = !is_timed();
   bool disturbed = false;
   for (const NodePtr& n : nodes) {
@@ -115,6 +113,13 @@ void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
   if (disturbed || (garbled && (acknowledged || transmitters.size() > 1))) {
     return destroy_after(kGarbledBits, CanErrorCause::kOtherBitrate);
   }
+  // Its bits are of no interest where it takes no time.
+  if (!is_timed() && transmitters.size() == 1 && verdict.corrupt == 0 && verdict.error_frames == 0) {
+    outcome = Outcome::kSuccess;
+    ends_at = sof_at;
+    return;
+  }
+  const CanWireBits wire = can_wire_bits(on_wire);
   for (std::size_t i = 1; i < transmitters.size(); ++i) {
     const CanFrame& other = transmitters[i]->head().frame;
     if (other == on_wire) continue;
@@ -132,7 +137,7 @@ void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
   }
   if (acknowledged) {
     outcome = Outcome::kSuccess;
-    ends_at = sof_at + bits(on_wire_bits);
+    ends_at = sof_at + bits(wire.frame_bits());
   } else {
     outcome = Outcome::kNoAcknowledge;
     cause = CanErrorCause::kNoAcknowledge;
@@ -146,10 +151,6 @@ void CanBus::Impl::destroy_after(std::int64_t wire_bits, CanErrorCause why) {
   bool others = why != CanErrorCause::kCorrupted || transmitters.size() > 1;
   for (const NodePtr& n : nodes) others = others || (hears(*n) && !n->options.listen_only && !is_transmitter(*n));
   ends_at = sof_at + bits(wire_bits + (others ? 2 * kFlagBits : kFlagBits) + kDelimiterBits);
-}
-
-bool CanBus::Impl::is_transmitter(const CanNodeState& n) const {
-  return std::any_of(transmitters.begin(), transmitters.end(), [&](const NodePtr& t) { return t.get() == &n; });
 }
 
 void CanBus::Impl::schedule_end() {
