@@ -1,5 +1,5 @@
-// The CAN bus in virtual time: frames per second of a saturated bus with 2, 16 and 99 nodes, of a bus without timing, and
-// SDO round trips of a drive with nothing between master and board but the bus.
+// The CAN bus in virtual time: frames per second of a saturated bus with 2, 16 and 99 nodes, of a bus without timing,
+// and SDO round trips of a drive with nothing between master and board but the bus.
 //
 //   vinverter_bench --benchmark_filter=Can
 #include <benchmark/benchmark.h>

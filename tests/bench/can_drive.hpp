@@ -1,5 +1,5 @@
-// An FR-E500 with its OI-FR-E5NCO as a node on a CAN bus, ticked every millisecond of the scheduler's time. The smallest
-// owner a drive can have, so that benchmarks of the bus measure the bus.
+// An FR-E500 with its OI-FR-E5NCO as a node on a CAN bus, ticked every millisecond of the scheduler's time. The
+// smallest owner a drive can have, so that benchmarks of the bus measure the bus.
 #pragma once
 
 #include <algorithm>
@@ -92,10 +92,11 @@ class CanDrives {
  public:
   CanDrives(kernel::Scheduler& scheduler, transports::CanBus& bus, unsigned count) : scheduler_(scheduler) {
     for (unsigned n = 1; n <= count; ++n) drives_.push_back(std::make_unique<CanDrive>(scheduler, bus, n));
-    ticks_ = scheduler.schedule_every(scheduler.now() + inverter::Inverter::kControlPeriod,
-                                      inverter::Inverter::kControlPeriod, kernel::Priority::kDrive, [this](Instant now) {
-                                        for (const auto& drive : drives_) drive->tick(now);
-                                      });
+    ticks_ =
+        scheduler.schedule_every(scheduler.now() + inverter::Inverter::kControlPeriod,
+                                 inverter::Inverter::kControlPeriod, kernel::Priority::kDrive, [this](Instant now) {
+                                   for (const auto& drive : drives_) drive->tick(now);
+                                 });
   }
   ~CanDrives() { scheduler_.cancel(ticks_); }
   CanDrives(const CanDrives&) = delete;

@@ -1,5 +1,5 @@
-// SDO round trips of a drive over the servers of its bus, which takes no time (CanBusOptions::Timing::kNone), against an
-// echo of as many bytes that does nothing but epoll_wait, read and write. Both take turns in one run, client and
+// SDO round trips of a drive over the servers of its bus, which takes no time (CanBusOptions::Timing::kNone), against
+// an echo of as many bytes that does nothing but epoll_wait, read and write. Both take turns in one run, client and
 // server on one core, since two cores measure wake-ups: to_echo is what counts, 1 would be the bare echo.
 //
 // And 99 drives with their motors in real time at 1 Mbit/s, a master that polls them over socketcand: the share of one
@@ -226,7 +226,8 @@ void CanBurstOverSocketcand(benchmark::State& bench) {
     node_options.queue_frames = 256;
     node = served.bus().attach(served.thread().loop().now(), node_options);
     node->set_handlers({[&](Instant now, const CanFrame&) {
-                          for (int i = 0; i < frames; ++i) node->send(now, CanFrame::standard(0x181, {1, 2, 3, 4, 5, 6, 7, 8}));
+                          for (int i = 0; i < frames; ++i)
+                            node->send(now, CanFrame::standard(0x181, {1, 2, 3, 4, 5, 6, 7, 8}));
                         },
                         {},
                         {}});

@@ -1,6 +1,6 @@
 // An slcan adapter on a bus with time: any text in any pieces, good commands, wrong bit rates, traffic of another node,
-// errors on the bus. Whatever comes, each line has exactly one answer, of Lawicel's kinds; frames reach the client as they
-// were on the wire and in order; and in the end the channel can be opened and passes frames both ways.
+// errors on the bus. Whatever comes, each line has exactly one answer, of Lawicel's kinds; frames reach the client as
+// they were on the wire and in order; and in the end the channel can be opened and passes frames both ways.
 #include "sim/transports/can/slcan_adapter.hpp"
 #include "tests/fuzz/can_client_bench.hpp"
 
@@ -14,7 +14,8 @@ namespace {
 constexpr int kMaxOperations = 300;
 
 bool is_answer(std::string_view line) {
-  if (line.empty() || line == "\a" || line == "z" || line == "Z" || line == "V1013" || line == "v0100" || line == "NVINV") {
+  if (line.empty() || line == "\a" || line == "z" || line == "Z" || line == "V1013" || line == "v0100" ||
+      line == "NVINV") {
     return true;
   }
   return line.size() == 3 && line[0] == 'F';
@@ -24,7 +25,8 @@ struct Adapter : vinv::fuzz::CanClientBench {
   Adapter() : adapter(*bus, connect(), nullptr) {}
 
   void tell(std::string_view text) {
-    lines_said += static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return c == '\r' || c == '\a'; }));
+    lines_said += static_cast<std::size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return c == '\r' || c == '\a'; }));
     say(text);
   }
   void check_heard() const {
@@ -51,9 +53,10 @@ struct Adapter : vinv::fuzz::CanClientBench {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   vinv::fuzz::Input input(data, size);
   Adapter bench;
-  constexpr const char* kCommands[] = {"O\r",    "C\r",  "L\r",  "S6\r", "S8\r",  "s031C\r",     "F\r",         "V\r",
-                                       "v\r",    "N\r",  "Z1\r", "Z0\r", "\r",    "M00000000\r", "mFFFFFFFF\r", "X1\r",
-                                       "t1230\r", "r701", "T",    "\r\n", "s0000\r", "S4\r",      "\a",          "Q1\r"};
+  constexpr const char* kCommands[] = {"O\r", "C\r",         "L\r",         "S6\r", "S8\r",    "s031C\r",
+                                       "F\r", "V\r",         "v\r",         "N\r",  "Z1\r",    "Z0\r",
+                                       "\r",  "M00000000\r", "mFFFFFFFF\r", "X1\r", "t1230\r", "r701",
+                                       "T",   "\r\n",        "s0000\r",     "S4\r", "\a",      "Q1\r"};
   for (int i = 0; i < kMaxOperations && !input.empty(); ++i) {
     const std::uint8_t operation = input.byte();
     const std::uint8_t argument = operation >> 3;

@@ -1,6 +1,6 @@
-// A socketcand session on a bus with time: any text in any pieces, good messages, traffic of another node, errors on the
-// bus, clients that come and go. Whatever comes, the session says only messages of the protocol, frames reach its client
-// as they were on the wire and in order, and in the end it answers an echo and serves the next client.
+// A socketcand session on a bus with time: any text in any pieces, good messages, traffic of another node, errors on
+// the bus, clients that come and go. Whatever comes, the session says only messages of the protocol, frames reach its
+// client as they were on the wire and in order, and in the end it answers an echo and serves the next client.
 #include "sim/transports/can/socketcand_session.hpp"
 #include "tests/fuzz/can_client_bench.hpp"
 
@@ -42,12 +42,14 @@ struct Session : vinv::fuzz::CanClientBench {
         VINV_CHECK(got);
         frames.push_back(got->frame);
       } else {
-        VINV_CHECK(words[0] == "error" || (words.size() == 1 && (words[0] == "hi" || words[0] == "ok" || words[0] == "echo")));
+        VINV_CHECK(words[0] == "error" ||
+                   (words.size() == 1 && (words[0] == "hi" || words[0] == "ok" || words[0] == "echo")));
       }
     });
     VINV_CHECK(messages.overlong() == 0);
     if (!heard.empty()) VINV_CHECK(heard.back() == '>');
-    const std::vector<CanFrame> sent(sent_by_other.begin() + static_cast<std::ptrdiff_t>(first_frame), sent_by_other.end());
+    const std::vector<CanFrame> sent(sent_by_other.begin() + static_cast<std::ptrdiff_t>(first_frame),
+                                     sent_by_other.end());
     VINV_CHECK(vinv::fuzz::is_in_order_within(frames, sent));
   }
 
@@ -62,9 +64,22 @@ struct Session : vinv::fuzz::CanClientBench {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   vinv::fuzz::Input input(data, size);
   Session bench;
-  constexpr const char* kMessages[] = {"< open can0 >", "< open can1 >",  "< rawmode >", "< bcmmode >", "< echo >", "< open >",
-                                       "< send ",       "< sendrtr ",     " >",          "<",           ">",        "< open nobody >",
-                                       "< send 123 0 >", "< sendrtr 1 0 >", "< statistics 100 >", "< add 0 1000 123 1 FF >"};
+  constexpr const char* kMessages[] = {"< open can0 >",
+                                       "< open can1 >",
+                                       "< rawmode >",
+                                       "< bcmmode >",
+                                       "< echo >",
+                                       "< open >",
+                                       "< send ",
+                                       "< sendrtr ",
+                                       " >",
+                                       "<",
+                                       ">",
+                                       "< open nobody >",
+                                       "< send 123 0 >",
+                                       "< sendrtr 1 0 >",
+                                       "< statistics 100 >",
+                                       "< add 0 1000 123 1 FF >"};
   for (int i = 0; i < kMaxOperations && !input.empty(); ++i) {
     const std::uint8_t operation = input.byte();
     const std::uint8_t argument = operation >> 3;
@@ -77,9 +92,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
       case 2: bench.say(kMessages[argument % std::size(kMessages)]); break;
       case 3: bench.say(socketcand_send(vinv::fuzz::CanClientBench::any_frame(input))); break;
-      case 4:
-        bench.other->send(bench.scheduler.now(), vinv::fuzz::CanClientBench::any_frame(input));
-        break;
+      case 4: bench.other->send(bench.scheduler.now(), vinv::fuzz::CanClientBench::any_frame(input)); break;
       case 5: bench.run_for(Duration(50us) * (argument + 1)); break;
       case 6:
         if (argument < 16)

@@ -199,8 +199,7 @@ CanBusState CanBus::Impl::save() const {
   for (const NodePtr& n : nodes) state.nodes.push_back(*n);
   for (const NodePtr& t : transmitters) {
     const auto at = std::find(nodes.begin(), nodes.end(), t);
-    state.transmitters.push_back(at == nodes.end() ? state.nodes.size()
-                                                   : static_cast<std::size_t>(at - nodes.begin()));
+    state.transmitters.push_back(at == nodes.end() ? state.nodes.size() : static_cast<std::size_t>(at - nodes.begin()));
     if (at == nodes.end()) state.nodes.push_back(*t);
   }
   return state;
@@ -213,13 +212,14 @@ Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
   const auto attached = static_cast<std::size_t>(
       std::count_if(state.nodes.begin(), state.nodes.end(), [](const CanNodeData& n) { return n.attached; }));
   if (attached != nodes.size()) {
-    return Unexpected(refused + "it has " + std::to_string(nodes.size()) + " nodes, the state " + std::to_string(attached));
+    return Unexpected(refused + "it has " + std::to_string(nodes.size()) + " nodes, the state " +
+                      std::to_string(attached));
   }
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const CanNodeData& n = state.nodes[i];
     if (n.options.name != nodes[i]->options.name || n.ring.size() != nodes[i]->ring.size()) {
-      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + nodes[i]->options.name + ", in the state " +
-                        n.options.name);
+      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + nodes[i]->options.name +
+                        ", in the state " + n.options.name);
     }
   }
   cancel_events();

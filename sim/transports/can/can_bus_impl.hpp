@@ -1,7 +1,7 @@
 // Inside CanBus: its nodes and the wire. For can_bus*.cpp only.
 //
-// A passive node that repeats an attempt which nobody acknowledges changes nothing until another node comes, so it costs
-// no events: see sync_lone().
+// A passive node that repeats an attempt which nobody acknowledges changes nothing until another node comes, so it
+// costs no events: see sync_lone().
 #pragma once
 
 #include <memory>
@@ -95,8 +95,8 @@ struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
 
   kernel::EventId wire_event = 0;
   kernel::EventId recovery_event = 0;
-  int recovering = 0;            // nodes
-  bool states_changed = false;   // some node's state may not be what was reported
+  int recovering = 0;           // nodes
+  bool states_changed = false;  // some node's state may not be what was reported
   // Of the attempt under way; none: an error frame on a free bus.
   std::vector<NodePtr> transmitters;
   std::vector<NodePtr*> competitors;  // while arbitrate() runs

@@ -53,8 +53,8 @@ struct CanNodeData {
   Instant not_before{};  // suspend transmission of a passive node
   Instant joined_at{};   // hears frames that start from then on
   bool recovering = false;
-  int recovery_left = 0;    // sequences of recessive bits
-  Instant recovery_from{};  // the sequences before it are counted
+  int recovery_left = 0;     // sequences of recessive bits
+  Instant recovery_from{};   // the sequences before it are counted
   bool bus_off_due = false;  // by a fault plan, at bus_off_at
   Instant bus_off_at{};
   std::uint64_t sent = 0;
@@ -110,8 +110,8 @@ struct CanWireData {
 
 struct CanBusState {
   CanWireData wire{Instant{}};
-  std::vector<CanNodeData> nodes;          // in the order of attaching; last those that left while they send
-  std::vector<std::size_t> transmitters;   // of the attempt under way, of nodes
+  std::vector<CanNodeData> nodes;         // in the order of attaching; last those that left while they send
+  std::vector<std::size_t> transmitters;  // of the attempt under way, of nodes
   Instant at{};
 };
 

@@ -55,10 +55,11 @@ void CanBus::Impl::plan_start_at(Instant start) {
 }
 
 void CanBus::Impl::schedule_arbitration() {
-  wire_event = scheduler.schedule(std::max(sof_at + bits(1), scheduler.now()), kernel::Priority::kWire, [this](Instant) {
-    wire_event = 0;
-    arbitrate();
-  });
+  wire_event =
+      scheduler.schedule(std::max(sof_at + bits(1), scheduler.now()), kernel::Priority::kWire, [this](Instant) {
+        wire_event = 0;
+        arbitrate();
+      });
 }
 
 void CanBus::Impl::arbitrate() {

@@ -60,8 +60,7 @@ class Reader {
     if (*head >= kStr8 && *head < kStr8 + 3) return take_counted(*head - kStr8);
     if (*head == kFloat32) return number(4).has_value();
     if (*head == kFloat64) return number(8).has_value();
-    if (*head >= kUint8 && *head < kUint8 + 4)
-      return take_number(std::size_t{1} << (*head - kUint8));
+    if (*head >= kUint8 && *head < kUint8 + 4) return take_number(std::size_t{1} << (*head - kUint8));
     if (*head >= kInt8 && *head < kInt8 + 4) return number(std::size_t{1} << (*head - kInt8)).has_value();
     return false;
   }

@@ -1,5 +1,5 @@
-// What a session says to its client within one instant goes out in one piece, at the end of the instant: a burst of frames
-// costs one write to a socket and not one each. Keeps its memory, so that a steady stream allocates nothing.
+// What a session says to its client within one instant goes out in one piece, at the end of the instant: a burst of
+// frames costs one write to a socket and not one each. Keeps its memory, so that a steady stream allocates nothing.
 #pragma once
 
 #include <algorithm>

@@ -174,9 +174,7 @@ CanSend SlcanClient::send(Instant now, const CanFrame& frame) {
   return CanSend::kQueued;
 }
 
-std::size_t SlcanClient::queue_room() const {
-  return impl_->room(kMaxQueuedFrames);
-}
+std::size_t SlcanClient::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 void SlcanClient::set_online(Instant now, bool online) {
   if (std::exchange(impl_->online, online) == online) return;

@@ -148,9 +148,7 @@ CanSend SocketcandClient::send(Instant now, const CanFrame& frame) {
   return CanSend::kQueued;
 }
 
-std::size_t SocketcandClient::queue_room() const {
-  return impl_->room(kMaxQueuedFrames);
-}
+std::size_t SocketcandClient::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 // The connection stays: the server's side of the bus does not know of our power.
 void SocketcandClient::set_online(Instant now, bool online) {

@@ -127,7 +127,8 @@ Result<SocketcandReceived, std::string> parse_socketcand_received(std::span<cons
     return out;
   }
   for (const std::string_view digits : words.subspan(3)) {
-    if (digits.size() % 2 != 0 || digits.size() > 2u * (8u - out.frame.length)) return Unexpected(std::string("bad data"));
+    if (digits.size() % 2 != 0 || digits.size() > 2u * (8u - out.frame.length))
+      return Unexpected(std::string("bad data"));
     for (std::size_t i = 0; i < digits.size(); i += 2) {
       const auto byte = parse_hex(digits.substr(i, 2));
       if (!byte) return Unexpected(std::string("bad data"));

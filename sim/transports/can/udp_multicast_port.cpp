@@ -111,9 +111,7 @@ CanSend UdpMulticastPort::send(Instant now, const CanFrame& frame) {
   return CanSend::kQueued;
 }
 
-std::size_t UdpMulticastPort::queue_room() const {
-  return impl_->room(kMaxQueuedFrames);
-}
+std::size_t UdpMulticastPort::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 void UdpMulticastPort::set_online(Instant now, bool online) {
   if (std::exchange(impl_->online, online) == online) return;

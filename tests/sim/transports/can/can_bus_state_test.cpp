@@ -21,7 +21,8 @@ struct Stimulus {
   CanFrame frame;
 };
 
-// Traffic in bursts with pauses; a time in which one node is alone with its frame; nodes that go and come, are shorted and change their rate.
+// Traffic in bursts with pauses; a time in which one node is alone with its frame; nodes that go and come, are shorted
+// and change their rate.
 std::vector<Stimulus> story() {
   Random random(20'260);
   std::vector<Stimulus> out;

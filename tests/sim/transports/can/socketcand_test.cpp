@@ -147,8 +147,9 @@ TEST(SocketcandSession, ABurstOfOneInstantIsOnePiece) {
   const int before = c.pieces;
   for (std::uint8_t i = 0; i < 3; ++i) slave.node->send(s.bench.now(), CanFrame::standard(0x180, {i}));
   s.run(milliseconds(1));
-  EXPECT_EQ(c.take(),
-            " < frame 180 1700000001.100000 00 > < frame 180 1700000001.100000 01 > < frame 180 1700000001.100000 02 >");
+  EXPECT_EQ(
+      c.take(),
+      " < frame 180 1700000001.100000 00 > < frame 180 1700000001.100000 01 > < frame 180 1700000001.100000 02 >");
   EXPECT_EQ(c.pieces, before + 1);
 }
 
@@ -157,7 +158,8 @@ TEST(SocketcandSession, ARoundTripAllocatesNothing) {
   auto node = s.bench.bus->attach(s.bench.now(), {});
   node->set_handlers({[&](Instant now, const CanFrame& f) { node->send(now, f); }, {}, {}});
   DirectEnd client;
-  const SocketcandSession session(s.bench.scheduler, s.bench.now(), s.options, std::make_unique<DirectStream>(client), {});
+  const SocketcandSession session(s.bench.scheduler, s.bench.now(), s.options, std::make_unique<DirectStream>(client),
+                                  {});
   for (const char* message : {"< open vcan0 >", "< rawmode >"}) client.say(s.bench.now(), message);
   s.run(milliseconds(100));
   std::uint64_t allocations = 0;
