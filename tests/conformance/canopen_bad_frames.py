@@ -1,0 +1,163 @@
+"""Frames that no master should send, on a live bus: the standard's answer or silence, nothing lost, neighbours undisturbed.
+
+Node 5 takes it all, from a master on slcan, which has remote frames. Node 6 sends a PDO every 20 ms meanwhile, which an
+observer on socketcand times by the bus's own clock.
+"""
+import struct
+
+from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, NMT, Node, PRE_OPERATIONAL, SDO_ANSWER, SDO_REQUEST,
+                            START, SYNC)
+from canopen_plant import CanPlant
+import canopen_steps as steps
+from plant import wait_until
+
+VICTIM, NEIGHBOUR = 5, 6
+PERIOD_MS = 20
+NO_COMMAND = 0x05040001
+COB_IDS = [SYNC, 0x80 + VICTIM, *(base + VICTIM for base in range(0x180, 0x580, 0x80)), SDO_ANSWER + VICTIM,
+           SDO_REQUEST + VICTIM, GUARD + VICTIM]
+# Bits of the command word that mean nothing, so that no PDO starts the motor.
+HARMLESS = bytes([0xC0, 0xF8, 0x34, 0x12, 0xFF, 0xFF, 0x00, 0x80])
+
+
+def settled(node):
+    """All that was sent before has been dealt with: an SDO that is answered, once."""
+    since = node.line.now()
+    assert node.read(0x1000) == 0x10192
+    return since
+
+
+def every_length_everywhere(line, node, state):
+    """Data and remote frames of every length; what may answer, does, and nobody else."""
+    allowed = {
+        # remote frames that are asked for something
+        (GUARD + VICTIM, True): GUARD + VICTIM,
+        # requests of eight bytes: this one has no known command specifier
+        (SDO_REQUEST + VICTIM, False): SDO_ANSWER + VICTIM,
+    }
+    if state == IS_OPERATIONAL:
+        allowed[0x180 + VICTIM, True] = 0x180 + VICTIM
+        allowed[0x200 + VICTIM, False] = 0x80 + VICTIM  # the emergencies of one that is too short, and of its end
+    for cob_id in COB_IDS:
+        for remote in (False, True):
+            since = line.now()
+            for length in range(9):
+                if remote:
+                    line.request(cob_id, length)
+                else:
+                    line.send(cob_id, HARMLESS[:length])
+            settled(node)
+            told = [m.arbitration_id for m in line.frames[since:-1] if m.arbitration_id != 0x180 + NEIGHBOUR + 0x100]
+            expected = allowed.get((cob_id, remote))
+            assert set(told) <= {expected}, (hex(cob_id), remote, [hex(t) for t in told])
+            if cob_id == SDO_REQUEST + VICTIM and not remote:
+                assert len(told) == 1
+            if cob_id == GUARD + VICTIM and remote or (expected == cob_id):
+                assert told, f"{cob_id:03X} was not answered"
+    assert node.guard()[1] == state
+
+
+def network_commands(line, node):
+    """Unknown commands, wrong lengths, other nodes' commands."""
+    before = node.guard()[1]
+    since = line.now()
+    for length in (0, 1, 3, 4, 5, 6, 7, 8):
+        line.send(NMT, bytes([2, VICTIM, 0, 0, 0, 0, 0, 0])[:length])
+        line.request(NMT, length)
+    for command in set(range(256)) - {1, 2, 128, 129, 130}:
+        line.send(NMT, [command, VICTIM])
+    line.send(NMT, [2, 77])
+    settled(node)
+    assert node.guard()[1] == before
+    assert not [m for m in line.frames[since:] if m.arbitration_id == 0x80 + VICTIM]
+
+
+def command_specifiers(line, node):
+    """All 256 first bytes of a request for 1000H, which is read-only."""
+    for first in range(256):
+        request = struct.pack("<BHB4x", first, 0x1000, 0)
+        specifier, expedited = first >> 5, first & 2
+        if specifier == 4:  # the client's abort is not answered
+            since = line.now()
+            line.send(SDO_REQUEST + VICTIM, request)
+            assert settled(node) == since
+            assert len([m for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + VICTIM]) == 1
+            continue
+        answer = node.sdo(request)
+        code = int.from_bytes(answer[4:], "little")
+        if specifier == 2:
+            assert answer[0] == 0x43 and code == 0x10192, (first, answer.hex())
+        elif specifier == 1 and expedited:
+            assert answer[0] == 0x80 and code == 0x06010002, (first, answer.hex())
+        else:
+            assert answer[0] == 0x80 and code == NO_COMMAND, (first, answer.hex())
+
+
+def interleaved_and_aborted(line, node, neighbour):
+    """Transfers of two nodes at once; requests without waiting; a download that is given up is carried out all the same."""
+    steps.goes_operational(node)
+    read = struct.pack("<BHB4x", 0x40, 0x3007, 0)
+    since = line.now()
+    for _ in range(20):
+        for number in (VICTIM, NEIGHBOUR):
+            line.send(SDO_REQUEST + number, read)
+    settled(node), settled(neighbour)
+    for number in (VICTIM, NEIGHBOUR):
+        answers = [m for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + number]
+        assert len(answers) == 21, len(answers)
+
+    def write(value):
+        return struct.pack("<BHBHxx", 0x2B, 0x3007, 0, value)
+
+    for value, follows in ((61, read), (62, struct.pack("<BHBI", 0x80, 0x3007, 0, 0x05040000)), (63, write(64))):
+        since = line.now()
+        line.send(SDO_REQUEST + VICTIM, write(value))
+        line.send(SDO_REQUEST + VICTIM, follows)
+        last = 64 if value == 63 else value
+        wait_until(lambda: node.read(0x3007) == last, 10, f"Pr.7 = {last}")
+    # An initiated segmented download and its segments are refused one by one.
+    for request in (struct.pack("<BHBI", 0x21, 0x3007, 0, 20), bytes([0x00, *b"segment"]), bytes([0x60] + [0] * 7)):
+        answer = node.sdo(request)
+        assert answer[0] == 0x80 and int.from_bytes(answer[4:], "little") == NO_COMMAND, answer.hex()
+    node.nmt(PRE_OPERATIONAL)
+
+
+def flood(line, node, count=400):
+    """As fast as the bus takes them: each is answered, in order."""
+    since = line.now()
+
+    def answers():
+        return [m for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + VICTIM]
+
+    for i in range(count):
+        line.send(SDO_REQUEST + VICTIM, struct.pack("<BHB4x", 0x40, 0x3000 + i % 3, 0))
+    wait_until(lambda: len(answers()) >= count, 30, "an answer to each request of the flood")
+    node.read(0x1000)
+    indices = [struct.unpack_from("<H", m.data, 1)[0] for m in answers()]
+    assert indices == [0x3000 + i % 3 for i in range(count)] + [0x1000], "lost or out of order"
+
+
+def main():
+    with CanPlant([VICTIM, NEIGHBOUR]) as plant, plant.line("socketcand") as observer, plant.line("slcan") as line:
+        node, neighbour = Node(line, VICTIM), Node(line, NEIGHBOUR)
+        told = neighbour.map_pdo("transmit", 2, [(0x2000, 0, 16)], 255, event_timer=PERIOD_MS)
+        steps.goes_operational(neighbour)
+        observer.wait(told, observer.now())
+        begin = observer.now()
+        for state, command in ((IS_PRE_OPERATIONAL, PRE_OPERATIONAL), (IS_OPERATIONAL, START)):
+            node.nmt(command)
+            every_length_everywhere(line, node, state)
+            network_commands(line, node)
+        command_specifiers(line, node)
+        interleaved_and_aborted(line, node, neighbour)
+        flood(line, node)
+        times = [m.timestamp for m in observer.frames[begin:] if m.arbitration_id == told]
+        gaps = [b - a for a, b in zip(times, times[1:])]
+        print(f"{len(line.frames)} frames received, the neighbour's period {min(gaps):.4f} to {max(gaps):.4f} s")
+        assert PERIOD_MS * 0.0009 < min(gaps) and max(gaps) < PERIOD_MS * 0.0012, "the neighbour was disturbed"
+        assert not [m for m in observer.frames if m.arbitration_id == 0x80 + NEIGHBOUR]
+        assert not plant.signals(plant.first)["output_frequency"]
+
+
+if __name__ == "__main__":
+    main()
