@@ -4,6 +4,7 @@ Node 5 takes it all, from a master on slcan, which has remote frames. Node 6 sen
 observer on socketcand times by the bus's own clock.
 """
 import struct
+import time
 
 from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, NMT, Node, PRE_OPERATIONAL, SDO_ANSWER, SDO_REQUEST,
                             START, SYNC)
@@ -12,6 +13,7 @@ import canopen_steps as steps
 from plant import wait_until
 
 VICTIM, NEIGHBOUR = 5, 6
+NEIGHBOURS_PDO = 0x082  # only NMT and SYNC have priority
 PERIOD_MS = 20
 NO_COMMAND = 0x05040001
 COB_IDS = [SYNC, 0x80 + VICTIM, *(base + VICTIM for base in range(0x180, 0x580, 0x80)), SDO_ANSWER + VICTIM,
@@ -21,39 +23,48 @@ HARMLESS = bytes([0xC0, 0xF8, 0x34, 0x12, 0xFF, 0xFF, 0x00, 0x80])
 
 
 def settled(node):
-    """All that was sent before has been dealt with: an SDO that is answered, once."""
+    """All that was sent before has been dealt with when this request, the last one, has its answer."""
     since = node.line.now()
-    assert node.read(0x1000) == 0x10192
-    return since
+    node.line.send(SDO_REQUEST + node.number, bytes.fromhex("4000100000000000"))
+    node.line.wait(lambda m: is_the_question(m), since)
+
+
+def is_the_question(message):
+    return message.arbitration_id == SDO_ANSWER + VICTIM and bytes(message.data) == bytes.fromhex("4300100092010100")
+
+
+def in_pieces(node, calls):
+    """Sends so few at a time that frames of higher priority do not fill the bus for longer than the neighbour may wait."""
+    calls = list(calls)
+    for i in range(0, len(calls), 3):
+        for send, *arguments in calls[i:i + 3]:
+            send(*arguments)
+        settled(node)
+
+
+def told(line, since):
+    """What came from the victim but for the answers to settled()."""
+    return [m.arbitration_id for m in line.frames[since:] if m.arbitration_id != NEIGHBOURS_PDO and not is_the_question(m)]
 
 
 def every_length_everywhere(line, node, state):
     """Data and remote frames of every length; what may answer, does, and nobody else."""
     allowed = {
         # remote frames that are asked for something
-        (GUARD + VICTIM, True): GUARD + VICTIM,
-        # requests of eight bytes: this one has no known command specifier
-        (SDO_REQUEST + VICTIM, False): SDO_ANSWER + VICTIM,
+        (GUARD + VICTIM, True): [GUARD + VICTIM] * 9,
+        # a request of eight bytes, without a known command specifier
+        (SDO_REQUEST + VICTIM, False): [SDO_ANSWER + VICTIM],
     }
     if state == IS_OPERATIONAL:
-        allowed[0x180 + VICTIM, True] = 0x180 + VICTIM
-        allowed[0x200 + VICTIM, False] = 0x80 + VICTIM  # the emergencies of one that is too short, and of its end
+        allowed[0x180 + VICTIM, True] = [0x180 + VICTIM] * 9
+        allowed[0x200 + VICTIM, False] = [0x80 + VICTIM] * 2  # one that is too short, and its end
     for cob_id in COB_IDS:
         for remote in (False, True):
             since = line.now()
-            for length in range(9):
-                if remote:
-                    line.request(cob_id, length)
-                else:
-                    line.send(cob_id, HARMLESS[:length])
-            settled(node)
-            told = [m.arbitration_id for m in line.frames[since:-1] if m.arbitration_id != 0x180 + NEIGHBOUR + 0x100]
-            expected = allowed.get((cob_id, remote))
-            assert set(told) <= {expected}, (hex(cob_id), remote, [hex(t) for t in told])
-            if cob_id == SDO_REQUEST + VICTIM and not remote:
-                assert len(told) == 1
-            if cob_id == GUARD + VICTIM and remote or (expected == cob_id):
-                assert told, f"{cob_id:03X} was not answered"
+            in_pieces(node, ((line.request, cob_id, length) if remote else (line.send, cob_id, HARMLESS[:length])
+                             for length in range(9)))
+            answers, expected = told(line, since), allowed.get((cob_id, remote), [])
+            assert answers == expected, (f"{cob_id:03X}", remote, [f"{m:03X}" for m in answers])
     assert node.guard()[1] == state
 
 
@@ -61,15 +72,14 @@ def network_commands(line, node):
     """Unknown commands, wrong lengths, other nodes' commands."""
     before = node.guard()[1]
     since = line.now()
-    for length in (0, 1, 3, 4, 5, 6, 7, 8):
-        line.send(NMT, bytes([2, VICTIM, 0, 0, 0, 0, 0, 0])[:length])
-        line.request(NMT, length)
-    for command in set(range(256)) - {1, 2, 128, 129, 130}:
-        line.send(NMT, [command, VICTIM])
+    lengths = (0, 1, 3, 4, 5, 6, 7, 8)
+    in_pieces(node, ((line.send, NMT, bytes([2, VICTIM, 0, 0, 0, 0, 0, 0])[:length]) for length in lengths))
+    in_pieces(node, ((line.request, NMT, length) for length in range(9)))
+    in_pieces(node, ((line.send, NMT, [command, VICTIM]) for command in set(range(256)) - {1, 2, 128, 129, 130}))
     line.send(NMT, [2, 77])
     settled(node)
+    assert not told(line, since)
     assert node.guard()[1] == before
-    assert not [m for m in line.frames[since:] if m.arbitration_id == 0x80 + VICTIM]
 
 
 def command_specifiers(line, node):
@@ -80,8 +90,8 @@ def command_specifiers(line, node):
         if specifier == 4:  # the client's abort is not answered
             since = line.now()
             line.send(SDO_REQUEST + VICTIM, request)
-            assert settled(node) == since
-            assert len([m for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + VICTIM]) == 1
+            settled(node)
+            assert not told(line, since), hex(first)
             continue
         answer = node.sdo(request)
         code = int.from_bytes(answer[4:], "little")
@@ -93,6 +103,10 @@ def command_specifiers(line, node):
             assert answer[0] == 0x80 and code == NO_COMMAND, (first, answer.hex())
 
 
+def sdo_answers(line, number, since):
+    return [bytes(m.data) for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + number]
+
+
 def interleaved_and_aborted(line, node, neighbour):
     """Transfers of two nodes at once; requests without waiting; a download that is given up is carried out all the same."""
     steps.goes_operational(node)
@@ -101,20 +115,25 @@ def interleaved_and_aborted(line, node, neighbour):
     for _ in range(20):
         for number in (VICTIM, NEIGHBOUR):
             line.send(SDO_REQUEST + number, read)
-    settled(node), settled(neighbour)
-    for number in (VICTIM, NEIGHBOUR):
-        answers = [m for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + number]
-        assert len(answers) == 21, len(answers)
+    for other in (node, neighbour):
+        wait_until(lambda: len(sdo_answers(line, other.number, since)) >= 20, 20, "20 answers")
+        other.read(0x1000)
+        assert [answer[1:3] for answer in sdo_answers(line, other.number, since)] == [b"\x07\x30"] * 20 + [b"\x00\x10"]
 
     def write(value):
         return struct.pack("<BHBHxx", 0x2B, 0x3007, 0, value)
 
-    for value, follows in ((61, read), (62, struct.pack("<BHBI", 0x80, 0x3007, 0, 0x05040000)), (63, write(64))):
+    # What follows a download that is not decided yet gives it up: that alone is answered then. Either way it is carried
+    # out, and nothing is answered twice or out of order.
+    abort = struct.pack("<BHBI", 0x80, 0x3007, 0, 0x05040000)
+    for value, follows, answered in ((61, read, [0x4B]), (62, abort, []), (63, write(63), [0x60])):
         since = line.now()
         line.send(SDO_REQUEST + VICTIM, write(value))
         line.send(SDO_REQUEST + VICTIM, follows)
-        last = 64 if value == 63 else value
-        wait_until(lambda: node.read(0x3007) == last, 10, f"Pr.7 = {last}")
+        time.sleep(0.2)
+        answers = [answer[0] for answer in sdo_answers(line, VICTIM, since)]
+        assert answers in (answered, [0x60, *answered]), answers
+        wait_until(lambda: node.read(0x3007) == value, 10, f"Pr.7 = {value}")
     # An initiated segmented download and its segments are refused one by one.
     for request in (struct.pack("<BHBI", 0x21, 0x3007, 0, 20), bytes([0x00, *b"segment"]), bytes([0x60] + [0] * 7)):
         answer = node.sdo(request)
@@ -125,24 +144,20 @@ def interleaved_and_aborted(line, node, neighbour):
 def flood(line, node, count=400):
     """As fast as the bus takes them: each is answered, in order."""
     since = line.now()
-
-    def answers():
-        return [m for m in line.frames[since:] if m.arbitration_id == SDO_ANSWER + VICTIM]
-
     for i in range(count):
         line.send(SDO_REQUEST + VICTIM, struct.pack("<BHB4x", 0x40, 0x3000 + i % 3, 0))
-    wait_until(lambda: len(answers()) >= count, 30, "an answer to each request of the flood")
+    wait_until(lambda: len(sdo_answers(line, VICTIM, since)) >= count, 30, "an answer to each request of the flood")
     node.read(0x1000)
-    indices = [struct.unpack_from("<H", m.data, 1)[0] for m in answers()]
+    indices = [int.from_bytes(answer[1:3], "little") for answer in sdo_answers(line, VICTIM, since)]
     assert indices == [0x3000 + i % 3 for i in range(count)] + [0x1000], "lost or out of order"
 
 
 def main():
     with CanPlant([VICTIM, NEIGHBOUR]) as plant, plant.line("socketcand") as observer, plant.line("slcan") as line:
         node, neighbour = Node(line, VICTIM), Node(line, NEIGHBOUR)
-        told = neighbour.map_pdo("transmit", 2, [(0x2000, 0, 16)], 255, event_timer=PERIOD_MS)
+        neighbour.map_pdo("transmit", 2, [(0x2000, 0, 16)], 255, event_timer=PERIOD_MS, cob_id=NEIGHBOURS_PDO)
         steps.goes_operational(neighbour)
-        observer.wait(told, observer.now())
+        observer.wait(NEIGHBOURS_PDO, observer.now())
         begin = observer.now()
         for state, command in ((IS_PRE_OPERATIONAL, PRE_OPERATIONAL), (IS_OPERATIONAL, START)):
             node.nmt(command)
@@ -151,10 +166,10 @@ def main():
         command_specifiers(line, node)
         interleaved_and_aborted(line, node, neighbour)
         flood(line, node)
-        times = [m.timestamp for m in observer.frames[begin:] if m.arbitration_id == told]
+        times = [m.timestamp for m in observer.frames[begin:] if m.arbitration_id == NEIGHBOURS_PDO]
         gaps = [b - a for a, b in zip(times, times[1:])]
         print(f"{len(line.frames)} frames received, the neighbour's period {min(gaps):.4f} to {max(gaps):.4f} s")
-        assert PERIOD_MS * 0.0009 < min(gaps) and max(gaps) < PERIOD_MS * 0.0012, "the neighbour was disturbed"
+        assert PERIOD_MS * 0.0008 < min(gaps) and max(gaps) < PERIOD_MS * 0.0012, "the neighbour was disturbed"
         assert not [m for m in observer.frames if m.arbitration_id == 0x80 + NEIGHBOUR]
         assert not plant.signals(plant.first)["output_frequency"]
 

@@ -183,12 +183,13 @@ class Node:
         assert len(frame.data) == 1, show(frame)
         return frame.data[0] >> 7, frame.data[0] & 0x7F
 
-    def map_pdo(self, direction, pdo, entries, transmission_type, inhibit=0, event_timer=0):
-        """Sets up a PDO (1-4) in the order that DS-301 asks for. direction: "receive" or "transmit"; entries: (index,
-        sub-index, bits); inhibit in 100 us, event timer in ms. Its COB-ID is that of the predefined connection set."""
+    def map_pdo(self, direction, pdo, entries, transmission_type, inhibit=0, event_timer=0, cob_id=None):
+        """Sets up a PDO (1-4) in the order that DS-301 asks for, and returns its COB-ID: that of the predefined connection
+        set if none is given. direction: "receive" or "transmit"; entries: (index, sub-index, bits); inhibit in 100 us,
+        event timer in ms."""
         transmit = direction == "transmit"
         communication = (0x1800 if transmit else 0x1400) + pdo - 1
-        cob_id = (0x180 if transmit else 0x200) + 0x100 * (pdo - 1) + self.number
+        cob_id = cob_id or (0x180 if transmit else 0x200) + 0x100 * (pdo - 1) + self.number
         self.write(communication, 1, NOT_VALID | cob_id, 4)
         self.write(communication + 0x200, 0, 0, 1)
         for i, (index, sub, bits) in enumerate(entries, 1):

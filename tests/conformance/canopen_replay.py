@@ -26,7 +26,7 @@ def record(path):
             steps.answers_remote_frames(line, node)
             told = steps.watches(node)
             steps.sets_ramps(node, up_s=0.3, down_s=0.3)
-            steps.runs_by_pdo(line, node, told, seconds_to_reference=0.3, tolerance=0.2)
+            steps.runs_by_pdo(line, node, told, seconds_to_reference=0.3)
             steps.command(line, node, steps.BIT_STOP, 0)
             wait_until(lambda: not node.read(steps.COMMAND) & steps.BIT_RUN, 10, "the stop")
             node.nmt(PRE_OPERATIONAL)

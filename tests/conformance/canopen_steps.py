@@ -21,7 +21,7 @@ SWITCH_ON_DISABLED, READY_TO_SWITCH_ON, SWITCHED_ON, OPERATION_ENABLED, QUICK_ST
 SHUTDOWN, SWITCH_ON, ENABLE_OPERATION, QUICK_STOP, FAULT_RESET = 6, 7, 0xF, 2, 0x80
 E_OV3 = 0x22
 NO_LOCAL_CONTROL, NOT_NOW = 0x08000021, 0x08000022
-LIVE_TOLERANCE = 0.05
+EMERGENCY_DELAY = 0.040  # seconds; 7.1.1
 
 
 def words(message):
@@ -75,38 +75,50 @@ def command(line, node, bits, raw_hz):
     line.send(0x200 + node.number, struct.pack("<HHHH", bits, raw_hz, 0, 0))
 
 
-def runs_by_pdo(line, node, told, seconds_to_reference, raw_hz=4000, tolerance=LIVE_TOLERANCE):
-    """Runs forward; the ramp goes from 0 to Pr.20 in Pr.7."""
+def runs_by_pdo(line, node, told, seconds_to_reference, raw_hz=4000):
+    """Runs forward; the ramp goes from 0 to Pr.20 in Pr.7. Returns its slope as a part of what it should be."""
     reference_hz = node.read(0x3000 + 20) / 100
     since = line.now()
     command(line, node, BIT_STF, raw_hz)
     done, _ = line.wait(lambda m: m.arbitration_id == told and words(m)[0] & BIT_UP_TO_FREQUENCY
                         and words(m)[1] == raw_hz, since, timeout=30, what="up to frequency")
     assert words(done)[0] & (BIT_RUN | BIT_FORWARD | BIT_ALARM) == BIT_RUN | BIT_FORWARD
-    check_ramp(line, told, since, reference_hz / seconds_to_reference, raw_hz / 100, tolerance)
+    return ramp(line, told, since, reference_hz / seconds_to_reference, raw_hz / 100)
 
 
-def check_ramp(line, told, since, expected, top_hz, tolerance=LIVE_TOLERANCE):
-    """expected: Hz/s, negative for a deceleration."""
+def ramp(line, told, since, expected, top_hz):
+    """The slope between 10 and 90 % as a part of the expected one, which is in Hz/s, negative for a deceleration."""
     samples = [(m.timestamp, words(m)[1] / 100) for m in line.frames[since:] if m.arbitration_id == told]
     measured = slope(samples, 0.1 * top_hz, 0.9 * top_hz)
-    assert abs(measured / expected - 1) < tolerance, f"{measured} Hz/s, expected {expected}"
     print(f"ramp {measured:.2f} Hz/s, expected {expected:.2f}, {len(samples)} samples")
+    return measured / expected
 
 
-def trips(line, node, told, tolerance=0.02):
-    """A stop too short for the inertia: E.OV3, told at once in the status and 40 ms later by the emergency."""
+def is_about(value, expected, tolerance):
+    """tolerance: as a part of what is expected."""
+    return abs(value / expected - 1) < tolerance
+
+
+def trips(line, node, told):
+    """A stop too short for the inertia: E.OV3, told at once in the status and 40 ms later by the emergency. Returns the
+    seconds between the two."""
     since = line.now()
     command(line, node, BIT_STOP, 0)
     status, _ = line.wait(lambda m: m.arbitration_id == told and words(m)[0] & BIT_ALARM, since, what="the alarm bit")
     emergency, _ = node.wait_emergency(since)
     assert bytes(emergency.data) == bytes([0x10, 0x32, 0x05, 0, E_OV3, IS_OPERATIONAL, 0, 0]), emergency.data.hex()
-    late = emergency.timestamp - status.timestamp
-    assert abs(late - 0.040) < tolerance, f"{late} s between alarm and emergency"
     assert node.read(NEWEST_ALARMS) & 0xFF == E_OV3
     assert node.read(0x1001) == 0x05
     assert node.read(STATUSWORD) & STATE_MASK == FAULT
     assert words(status)[3] & STATE_MASK == FAULT
+    return emergency.timestamp - status.timestamp
+
+
+def coasts_down(plant, drive):
+    """The motor comes to a stop without the inverter, which a heavy load hastens."""
+    plant.ctl(drive, "load", "torque", "12 Nm")
+    wait_until(lambda: abs(plant.signals(drive)["speed"]) < 1, 30, "coasting to a stop")
+    plant.ctl(drive, "load", "torque", "1 Nm")
 
 
 def is_reset(line, node):
@@ -130,8 +142,9 @@ def readable(node, index):
     return True
 
 
-def runs_by_velocity_mode(line, node, told, rpm, up_s, quick_stop_s, tolerance=LIVE_TOLERANCE):
-    """Controlword and target velocity in RPDO2, the DSP-402 states, the quick stop over the second function."""
+def runs_by_velocity_mode(line, node, told, rpm, up_s, quick_stop_s):
+    """Controlword and target velocity in RPDO2, the DSP-402 states, the quick stop over the second function. Returns the
+    slopes of the two ramps as parts of what they should be."""
     cob_id = node.map_pdo("receive", 2, [(CONTROLWORD, 0, 16), (TARGET_VELOCITY, 0, 16)], 255)
     node.write(0x6048, 2, round(up_s))
     node.write(0x604A, 2, round(quick_stop_s))
@@ -151,13 +164,14 @@ def runs_by_velocity_mode(line, node, told, rpm, up_s, quick_stop_s, tolerance=L
     since = controlword(ENABLE_OPERATION, OPERATION_ENABLED, rpm)
     line.wait(lambda m: m.arbitration_id == told and words(m)[3] & TARGET_REACHED and words(m)[1] == round(top_hz * 100),
               since, timeout=30, what="target reached")
-    check_ramp(line, told, since, reference_hz / up_s, top_hz, tolerance)
+    up = ramp(line, told, since, reference_hz / up_s, top_hz)
     assert node.read(0x6043, signed=True) == node.read(0x6044, signed=True) == rpm
     since = controlword(QUICK_STOP, QUICK_STOP_ACTIVE, rpm)
     line.wait(lambda m: m.arbitration_id == told and words(m)[3] & STATE_MASK == SWITCH_ON_DISABLED, since, timeout=30,
               what="the end of the quick stop")
-    check_ramp(line, told, since, -reference_hz / quick_stop_s, top_hz, tolerance)
+    down = ramp(line, told, since, -reference_hz / quick_stop_s, top_hz)
     assert not node.read(COMMAND) & (BIT_RUN | BIT_ALARM)
+    return up, down
 
 
 def leaves_net(line, node):
@@ -214,19 +228,22 @@ def answers_remote_frames(line, node):
     node.write(0x1800, 1, told, 4)
 
 
-def stops_when_guarding_ends(line, nodes, guard_ms=100, factor=3, tolerance=0.2):
+LIFE_TIME = (200, 5)  # ms and factor
+
+
+def stops_when_guarding_ends(line, nodes, inhibit=100):
     """nodes: by 6007H. All of them run and are guarded; when that ends each does what its 6007H says."""
     watched = {}
     for option, node in nodes.items():
-        watched[option] = watches(node)
+        watched[option] = watches(node, inhibit)
         goes_operational(node)
         sets_ramps(node, 0.5, 2.0)
         node.parameter(20, 5000)
         node.parameter(180, 3)
-        node.parameter(45, 10)
+        node.parameter(45, 25)
         node.write(ABORT_OPTION, 0, option)
-        node.write(GUARD_TIME, 0, guard_ms)
-        node.write(LIFE_TIME_FACTOR, 0, factor, 1)
+        node.write(GUARD_TIME, 0, LIFE_TIME[0])
+        node.write(LIFE_TIME_FACTOR, 0, LIFE_TIME[1], 1)
         node.guard()
     since = line.now()
     for node in nodes.values():
@@ -241,29 +258,34 @@ def stops_when_guarding_ends(line, nodes, guard_ms=100, factor=3, tolerance=0.2)
         wait_until(is_up, 30, f"node {node.number} up to frequency")
     assert not [m for m in line.frames[since:] if 0x80 < m.arbitration_id < 0x100], "guarding was lost before its end"
     started = line.now()
-    last = {}
-    for option, node in nodes.items():
-        node.guard()
-        last[option] = [m.timestamp for m in line.frames if m.arbitration_id == 0x700 + node.number][-1]
-    for option, node in nodes.items():
+    for node in nodes.values():
         emergency, _ = node.wait_emergency(started)
         assert bytes(emergency.data) == bytes([0x30, 0x81, 0x11, 31, 0, IS_OPERATIONAL, 0, 0]), emergency.data.hex()
-        late = emergency.timestamp - last[option]
-        life_time = guard_ms * factor / 1000
-        assert abs(late / life_time - 1) < tolerance, f"{late} s after the last guarding, life time {life_time} s"
     return watched, started
 
 
-def reactions_to_lost_guarding(line, nodes, watched, since, tolerance=0.2):
-    """6007H: 0 runs on, 2 output off, 3 quick stop in Pr.45. Then the master is back: the error ends."""
+def life_time(line, node, guard_ms=100, factor=5):
+    """Seconds from the last guarding to the emergency, as a part of what they should be."""
+    node.write(GUARD_TIME, 0, guard_ms)
+    node.write(LIFE_TIME_FACTOR, 0, factor, 1)
+    since = line.now()
+    node.guard()
+    last, since = line.wait(lambda m: m.arbitration_id == 0x700 + node.number and not m.is_remote_frame, since)
+    emergency, _ = node.wait_emergency(since, 0x8130)
+    node.guard()
+    node.write(LIFE_TIME_FACTOR, 0, 0, 1)
+    return (emergency.timestamp - last.timestamp) / (guard_ms * factor / 1000)
+
+
+def reactions_to_lost_guarding(line, nodes, watched, since):
+    """6007H: 0 runs on, 2 output off, 3 quick stop in Pr.45. Then the master is back: the error ends. Returns the slope of
+    the quick stop as a part of what it should be."""
     for option in (2, 3):
         line.wait(lambda m: m.arbitration_id == watched[option] and not words(m)[0] & BIT_RUN, since, timeout=30,
                   what=f"the stop with 6007H = {option}")
     told = {option: [(m.timestamp, words(m)[1] / 100) for m in line.frames[since:] if m.arbitration_id == cob_id]
             for option, cob_id in watched.items()}
     assert not any(0 < hz < 19 for _, hz in told[2]), "the output goes off at once"
-    measured = slope(told[3], 2, 18)
-    assert abs(measured / -50 - 1) < tolerance, f"quick stop with {measured} Hz/s, expected -50"
     assert nodes[0].read(OUTPUT_FREQUENCY) == 2000 and nodes[0].read(COMMAND) & BIT_RUN
     for option, node in nodes.items():
         since = line.now()
@@ -274,3 +296,4 @@ def reactions_to_lost_guarding(line, nodes, watched, since, tolerance=0.2):
         assert node.read(0x1001) == 0
         node.write(LIFE_TIME_FACTOR, 0, 0, 1)
         command(line, node, BIT_STOP, 0)
+    return slope(told[3], 2, 18) / -20

@@ -128,11 +128,12 @@ class Sweep:
             value = {0x6060: 2}.get(index)
             if value is None:
                 return
-        if index in (0x4000, 0x4001):
-            value = 0  # they read something else than they take
+        takes_what_it_shows = index not in (0x4000, 0x4001)
+        if not takes_what_it_shows:
+            value = 0
         node.write(index, sub, value, size)
         self.tried["written"] += 1
-        if row["access"] == "RW":
+        if row["access"] == "RW" and takes_what_it_shows:
             assert node.read(index, sub) == value, f"{index:04X}:{sub}"
 
 

@@ -21,6 +21,7 @@ TIME_LIMIT_S = 300
 MEMORY_MB = 512
 
 INIT = """#!/bin/sh
+{environment}
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/run LANG=C.UTF-8
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
@@ -78,7 +79,10 @@ def run_in_uml(command, preload):
         status = os.path.join(folder, "status")
         init = os.path.join(folder, "init.sh")
         with open(init, "w", encoding="utf-8") as f:
-            f.write(INIT.format(command=shlex.join(command), status=shlex.quote(status), cwd=shlex.quote(os.getcwd())))
+            environment = "\n".join(f"export {name}={shlex.quote(value)}" for name, value in os.environ.items()
+                                    if name.isidentifier())
+            f.write(INIT.format(command=shlex.join(command), status=shlex.quote(status), cwd=shlex.quote(os.getcwd()),
+                                environment=environment))
         os.chmod(init, 0o755)
         arguments = [kernel, f"mem={MEMORY_MB}M", "root=/dev/root", "rootfstype=hostfs", "rootflags=/", "rw", f"init={init}",
                      f"uml_dir={folder}", "con=null", "con0=fd:0,fd:1", "quiet"]
