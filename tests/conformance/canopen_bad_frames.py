@@ -6,8 +6,8 @@ observer on socketcand times by the bus's own clock.
 import struct
 import time
 
-from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, NMT, Node, PRE_OPERATIONAL, SDO_ANSWER, SDO_REQUEST,
-                            START, SYNC)
+from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, IS_STOPPED, NMT, Node, PRE_OPERATIONAL, SDO_ANSWER,
+                            SDO_REQUEST, START, STOP, SYNC)
 from canopen_plant import CanPlant
 import canopen_steps as steps
 from plant import wait_until
@@ -66,6 +66,28 @@ def every_length_everywhere(line, node, state):
             answers, expected = told(line, since), allowed.get((cob_id, remote), [])
             assert answers == expected, (f"{cob_id:03X}", remote, [f"{m:03X}" for m in answers])
     assert node.guard()[1] == state
+
+
+def extended_frames(line, node):
+    """Identifiers of 29 bits with the same number are not the slave's; nor is a stop by NMT with one."""
+    since = line.now()
+    in_pieces(node, ((line.send, cob_id, HARMLESS, True) for cob_id in COB_IDS))
+    in_pieces(node, [(line.send, NMT, [2, VICTIM], True), (line.send, SDO_REQUEST + VICTIM, [0x40] + [0] * 7, True)])
+    assert not told(line, since)
+
+
+def stopped(line, node):
+    """Only NMT and guarding are left, and the order of the answers shows that nothing else came between."""
+    node.nmt(STOP)
+    assert node.guard()[1] == IS_STOPPED
+    since = line.now()
+    for cob_id in COB_IDS:
+        for length in range(9):
+            line.send(cob_id, HARMLESS[:length])
+            if cob_id != GUARD + VICTIM:
+                line.request(cob_id, length)
+        assert node.guard()[1] == IS_STOPPED
+    assert told(line, since) == [GUARD + VICTIM] * len(COB_IDS)
 
 
 def network_commands(line, node):
@@ -141,8 +163,14 @@ def interleaved_and_aborted(line, node, neighbour):
     node.nmt(PRE_OPERATIONAL)
 
 
-def flood(line, node, count=400):
-    """As fast as the bus takes them: each is answered, in order."""
+def floods(line, node, count=400):
+    """As fast as the bus takes them: each request is answered, in order; each guarding, with its toggle bit."""
+    since = line.now()
+    for _ in range(count):
+        line.request(GUARD + VICTIM, 1)
+    wait_until(lambda: told(line, since).count(GUARD + VICTIM) >= count, 30, "an answer to each guarding")
+    toggles = [m.data[0] >> 7 for m in line.frames[since:] if m.arbitration_id == GUARD + VICTIM]
+    assert len(toggles) == count and all(a != b for a, b in zip(toggles, toggles[1:]))
     since = line.now()
     for i in range(count):
         line.send(SDO_REQUEST + VICTIM, struct.pack("<BHB4x", 0x40, 0x3000 + i % 3, 0))
@@ -163,10 +191,13 @@ def main():
             node.nmt(command)
             every_length_everywhere(line, node, state)
             network_commands(line, node)
+            extended_frames(line, node)
         command_specifiers(line, node)
         interleaved_and_aborted(line, node, neighbour)
-        flood(line, node)
-        times = [m.timestamp for m in observer.frames[begin:] if m.arbitration_id == NEIGHBOURS_PDO]
+        floods(line, node)
+        end = observer.now()
+        stopped(line, node)
+        times = [m.timestamp for m in observer.frames[begin:end] if m.arbitration_id == NEIGHBOURS_PDO]
         gaps = [b - a for a, b in zip(times, times[1:])]
         print(f"{len(line.frames)} frames received, the neighbour's period {min(gaps):.4f} to {max(gaps):.4f} s")
         assert PERIOD_MS * 0.0008 < min(gaps) and max(gaps) < PERIOD_MS * 0.0012, "the neighbour was disturbed"

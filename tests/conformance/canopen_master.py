@@ -69,9 +69,9 @@ class Line:
     def now(self):
         return len(self.frames)
 
-    def send(self, cob_id, data=b""):
+    def send(self, cob_id, data=b"", extended=False):
         self.sent += 1
-        self.bus.send(can.Message(arbitration_id=cob_id, data=bytes(data), is_extended_id=False))
+        self.bus.send(can.Message(arbitration_id=cob_id, data=bytes(data), is_extended_id=extended))
 
     def request(self, cob_id, length=0):
         """A remote frame."""
