@@ -1,5 +1,5 @@
 """99 nodes on one bus: all boot, answer SDO and guarding, obey a broadcast, and send a PDO each for one SYNC."""
-from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, NOT_VALID, Node, PRE_OPERATIONAL, RESET_NODE, START)
+from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, Node, PRE_OPERATIONAL, RESET_NODE, START)
 from canopen_plant import CanPlant
 from canopen_steps import is_remote
 from plant import wait_until
@@ -28,11 +28,7 @@ def main():
         for node in nodes:
             assert node.read(0x100B) == node.number
             assert node.guard() == (0, IS_PRE_OPERATIONAL)
-            # TPDO1 with every SYNC.
-            cob_id = 0x180 + node.number
-            node.write(0x1800, 1, NOT_VALID | cob_id, 4)
-            node.write(0x1800, 2, 1, 1)
-            node.write(0x1800, 1, cob_id, 4)
+            node.set_tpdo1_type(1)  # with every SYNC
         line.nmt(START)
         for node in nodes:
             assert node.guard() == (1, IS_OPERATIONAL)

@@ -183,6 +183,14 @@ class Node:
         assert len(frame.data) == 1, show(frame)
         return frame.data[0] >> 7, frame.data[0] & 0x7F
 
+    def set_tpdo1_type(self, transmission_type):
+        """Of TPDO1 as delivered, which does not exist meanwhile. Returns its COB-ID."""
+        cob_id = 0x180 + self.number
+        self.write(0x1800, 1, NOT_VALID | cob_id, 4)
+        self.write(0x1800, 2, transmission_type, 1)
+        self.write(0x1800, 1, cob_id, 4)
+        return cob_id
+
     def map_pdo(self, direction, pdo, entries, transmission_type, inhibit=0, event_timer=0, cob_id=None):
         """Sets up a PDO (1-4) in the order that DS-301 asks for, and returns its COB-ID: that of the predefined connection
         set if none is given. direction: "receive" or "transmit"; entries: (index, sub-index, bits); inhibit in 100 us,

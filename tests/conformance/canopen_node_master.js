@@ -28,7 +28,9 @@ class Slcan {
       text = lines.pop();
       for (const line of lines) {
         const frame = /^t([0-9A-Fa-f]{3})([0-8])((?:[0-9A-Fa-f]{2})*)/.exec(line);
-        if (frame) receive({id: parseInt(frame[1], 16), len: Number(frame[2]), data: Buffer.from(frame[3].slice(0, 2 * frame[2]), "hex")});
+        if (!frame) continue;
+        const data = Buffer.from(frame[3].slice(0, 2 * frame[2]), "hex");
+        receive({id: parseInt(frame[1], 16), len: data.length, data});
       }
     });
     socket.write("O\r");
@@ -71,7 +73,8 @@ async function main() {
   master.nmt.startNode();  // this device itself
 
   const object = {serverId: nodeId, timeout: PATIENCE_MS, subIndex: 0};
-  const read = (index, dataType = DataType.UNSIGNED16, subIndex = 0) => master.sdo.upload({...object, index, subIndex, dataType});
+  const read = (index, dataType = DataType.UNSIGNED16, subIndex = 0) =>
+    master.sdo.upload({...object, index, subIndex, dataType});
   const write = (index, data, dataType = DataType.UNSIGNED16, subIndex = 0) =>
     master.sdo.download({...object, index, subIndex, data, dataType});
   const refused = (code, promise) => assert.rejects(promise, (error) => error.code === code);
@@ -95,7 +98,8 @@ async function main() {
   await refused(0x06070010, write(0x3007, 1, DataType.UNSIGNED32));
   await refused(0x08000021, write(0x3007, 20));
   await refused(0x05040001, write(0x3007, "more than four", DataType.VISIBLE_STRING));  // segmented
-  await refused(0x05040001, master.sdo.upload({...object, index: 0x1008, dataType: DataType.VISIBLE_STRING, blockTransfer: true}));
+  const block = {...object, index: 0x1008, dataType: DataType.VISIBLE_STRING, blockTransfer: true};
+  await refused(0x05040001, master.sdo.upload(block));
 
   await write(0x1801, (0x80000280 + nodeId) >>> 0, DataType.UNSIGNED32, 1);
   await write(0x1a01, COMMAND << 16 | 16, DataType.UNSIGNED32, 1);

@@ -4,12 +4,12 @@ OI-FR-E5NCO manual: 4.2 operation modes, 6 communication profile, 7 device profi
 """
 import struct
 
-from canopen_master import (Abort, IS_OPERATIONAL, IS_PRE_OPERATIONAL, IS_STOPPED, NOT_VALID, PRE_OPERATIONAL, RESET_COMMUNICATION,
-                            START, STOP)
+from canopen_master import (Abort, IS_OPERATIONAL, IS_PRE_OPERATIONAL, IS_STOPPED, NOT_VALID, PRE_OPERATIONAL,
+                            RESET_COMMUNICATION, START, STOP)
 from plant import wait_until
 from ramp import slope
 
-COMMAND, SPEED, RESET_INVERTER, NEWEST_ALARMS = 0x4000, 0x4001, 0x2107, 0x3400
+COMMAND, RESET_INVERTER, NEWEST_ALARMS = 0x4000, 0x2107, 0x3400
 OUTPUT_FREQUENCY, OUTPUT_CURRENT = 0x2000, 0x2001
 CONTROLWORD, STATUSWORD, TARGET_VELOCITY, ABORT_OPTION = 0x6040, 0x6041, 0x6042, 0x6007
 GUARD_TIME, LIFE_TIME_FACTOR = 0x100C, 0x100D
@@ -18,7 +18,7 @@ REMOTE, TARGET_REACHED = 1 << 9, 1 << 10
 STATE_MASK = 0x6F
 SWITCH_ON_DISABLED, READY_TO_SWITCH_ON, SWITCHED_ON, OPERATION_ENABLED, QUICK_STOP_ACTIVE, FAULT = (
     0x40, 0x21, 0x23, 0x27, 0x07, 0x08)
-SHUTDOWN, SWITCH_ON, ENABLE_OPERATION, QUICK_STOP, FAULT_RESET = 6, 7, 0xF, 2, 0x80
+SHUTDOWN, SWITCH_ON, ENABLE_OPERATION, QUICK_STOP = 6, 7, 0xF, 2
 E_OV3 = 0x22
 NO_LOCAL_CONTROL, NOT_NOW = 0x08000021, 0x08000022
 EMERGENCY_DELAY = 0.040  # seconds; 7.1.1
@@ -213,8 +213,7 @@ def answers_remote_frames(line, node):
     node.write(0x1800, 1, NOT_VALID | told, 4)
     line.request(told, 8)
     line.expect_silence(lambda m: m.arbitration_id == told and not m.is_remote_frame, since, 0.1)
-    node.write(0x1800, 2, 252, 1)
-    node.write(0x1800, 1, told, 4)
+    node.set_tpdo1_type(252)
     since = line.now()
     line.request(told, 8)
     emergency, _ = node.wait_emergency(since)
@@ -223,9 +222,7 @@ def answers_remote_frames(line, node):
     line.expect_silence(lambda m: m.arbitration_id == told and not m.is_remote_frame, since, 0.1)
     answer, since = asked(since)
     assert words(answer)[1] == 0
-    node.write(0x1800, 1, NOT_VALID | told, 4)
-    node.write(0x1800, 2, 253, 1)
-    node.write(0x1800, 1, told, 4)
+    node.set_tpdo1_type(253)
 
 
 LIFE_TIME = (200, 5)  # ms and factor

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, Line, NOT_VALID, Node, RESET_NODE,
+from canopen_master import (GUARD, IS_OPERATIONAL, IS_PRE_OPERATIONAL, Line, Node, RESET_NODE,
                             START)
 from canopen_plant import CanPlant, HEAVY
 import canopen_steps as steps
@@ -31,10 +31,7 @@ def all_nodes(line, nodes):
     for node in nodes:
         assert node.guard() == (0, IS_PRE_OPERATIONAL)
         assert node.read(0x100B) == node.number
-        cob_id = 0x180 + node.number
-        node.write(0x1800, 1, NOT_VALID | cob_id, 4)
-        node.write(0x1800, 2, 1, 1)
-        node.write(0x1800, 1, cob_id, 4)
+        node.set_tpdo1_type(1)  # with every SYNC
     line.nmt(START)
     for node in nodes:
         assert node.guard() == (1, IS_OPERATIONAL)
