@@ -196,6 +196,7 @@ CanBusState CanBus::Impl::save() const {
   CanBusState state;
   state.wire = *this;
   state.at = scheduler.now();
+  state.bitrate = options.bitrate;
   for (const NodePtr& n : nodes) state.nodes.push_back(*n);
   for (const NodePtr& t : transmitters) {
     const auto at = std::find(nodes.begin(), nodes.end(), t);
@@ -209,6 +210,7 @@ Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
   VINV_CHECK(reporting == 0 && !closed);
   const std::string refused = "cannot restore CAN bus " + options.name + ": ";
   if (state.at != scheduler.now()) return Unexpected(refused + "the state is of another time");
+  if (state.bitrate != options.bitrate) return Unexpected(refused + "the state is of another bit rate");
   const auto attached = static_cast<std::size_t>(
       std::count_if(state.nodes.begin(), state.nodes.end(), [](const CanNodeData& n) { return n.attached; }));
   if (attached != nodes.size()) {

@@ -90,8 +90,8 @@ class CanBus {
   // Neither from within a handler or observer.
   CanBusState save() const;
   // As if all had happened here: pending events are scheduled anew, in the order wire, recovery, nodes. Handlers and
-  // observers stay, and are told nothing. Refused with a sentence if the scheduler's time is not that of the state, or
-  // the nodes attached now are not those of the state by name, order and length of their queues.
+  // observers stay, and are told nothing. Refused with a sentence if the scheduler's time or the bit rate is not that
+  // of the state, or the nodes attached now are not those of the state by name, order and length of their queues.
   Result<void, std::string> restore(const CanBusState& state);
 
  private:

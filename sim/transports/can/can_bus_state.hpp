@@ -113,6 +113,7 @@ struct CanBusState {
   std::vector<CanNodeData> nodes;         // in the order of attaching; last those that left while they send
   std::vector<std::size_t> transmitters;  // of the attempt under way, of nodes
   Instant at{};
+  std::uint32_t bitrate = 0;  // of the bus
 };
 
 }  // namespace vinv::transports

@@ -189,7 +189,7 @@ TEST(CanBusState, AFrameWhoseSenderHasLeftIsCompleted) {
   EXPECT_NE(hearer.log, "");
 }
 
-TEST(CanBusState, AnotherTimeOrOtherNodesAreRefused) {
+TEST(CanBusState, AnotherTimeOrRateOrOtherNodesAreRefused) {
   BusBench first;
   first.add("a");
   first.add("b");
@@ -199,6 +199,10 @@ TEST(CanBusState, AnotherTimeOrOtherNodesAreRefused) {
   late.add("b");
   late.run_to_us(1);
   EXPECT_EQ(late.bus->restore(state).error(), "cannot restore CAN bus can0: the state is of another time");
+  CanBusOptions options;
+  options.bitrate = 500'000;
+  BusBench fast(options);
+  EXPECT_EQ(fast.bus->restore(state).error(), "cannot restore CAN bus can0: the state is of another bit rate");
   BusBench few;
   few.add("a");
   EXPECT_EQ(few.bus->restore(state).error(), "cannot restore CAN bus can0: it has 1 nodes, the state 2");
