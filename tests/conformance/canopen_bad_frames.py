@@ -181,7 +181,8 @@ def floods(line, node, count=400):
 
 
 def main():
-    with CanPlant([VICTIM, NEIGHBOUR]) as plant, plant.line("socketcand") as observer, plant.line("slcan") as line:
+    with (CanPlant([VICTIM, NEIGHBOUR], good_frames=False) as plant, plant.line("socketcand") as observer,
+          plant.line("slcan") as line):
         node, neighbour = Node(line, VICTIM), Node(line, NEIGHBOUR)
         neighbour.map_pdo("transmit", 2, [(0x2000, 0, 16)], 255, event_timer=PERIOD_MS, cob_id=NEIGHBOURS_PDO)
         steps.goes_operational(neighbour)

@@ -47,6 +47,10 @@ def main():
             assert node.guard() == (0, IS_PRE_OPERATIONAL)
         emergencies = [m for m in line.frames[begin:] if 0x80 < m.arbitration_id < 0x100]
         assert not emergencies, emergencies
+        bus, = plant.ctl(None, "buses")
+        assert bus["error_frames"] == 0 and bus["frames"] >= len(line.frames) + line.sent, bus
+        assert [drive["state"] for drive in bus["drives"]] == ["error active"] * len(NODES), bus
+        print({key: bus[key] for key in ("frames", "error_frames", "arbitrations_lost", "peak_load_percent")})
 
 
 if __name__ == "__main__":

@@ -26,15 +26,17 @@ drives:{drives}"""
 
 
 class CanPlant(Plant):
-    """A plant whose bus is recorded; when it has ended tshark reads the recording."""
+    """A plant whose bus is recorded; when it has ended tshark reads the recording, if only good frames were sent."""
 
-    def __init__(self, nodes, **options):
-        super().__init__(plant_text(nodes, **options))
+    def __init__(self, nodes, good_frames=True, **options):
+        super().__init__(plant_text(nodes, **options), "--record-can", "wire.pcapng")
         self.first = f"n{min(nodes)}"
+        self.good_frames = good_frames
 
     def line(self, interface):
         return Line.of(interface, self.endpoint(self.first, "canopen"))
 
     def stop(self):
         super().stop()
-        pass
+        if self.good_frames:
+            check_can_recording(os.path.join(self.folder, "wire.pcapng"))

@@ -110,8 +110,13 @@ void CanRecorder::on_error_frame(Instant now, CanErrorCause cause, std::string_v
   error_frame(now, error_frame_of(cause));
 }
 
-void CanRecorder::on_node_state(Instant now, std::string_view, const CanStatus& status) {
-  if (status.state != CanState::kOffline) error_frame(now, error_frame_of(status));
+void CanRecorder::on_node_state(Instant now, std::string_view node, const CanStatus& status) {
+  if (status.state == CanState::kOffline) {
+    joined_.erase(std::string(node));
+    return;
+  }
+  const bool joins = joined_.emplace(node).second;
+  if (!joins || status.state != CanState::kErrorActive) error_frame(now, error_frame_of(status));
 }
 
 void CanRecorder::error_frame(Instant now, const CanErrorFrame& frame) {
