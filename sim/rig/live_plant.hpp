@@ -2,6 +2,7 @@
 // open.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "sim/rig/control_session.hpp"
 #include "sim/rig/eeprom_store.hpp"
+#include "sim/rig/live_can.hpp"
 #include "sim/rig/plant.hpp"
 #include "sim/transports/event_loop.hpp"
 #include "sim/transports/ip_recorder.hpp"
@@ -18,10 +20,11 @@
 namespace vinv::rig {
 
 struct LiveOptions {
-  bool fresh = false;          // stored EEPROMs are not loaded, and overwritten
-  std::string state_folder;    // empty: default_state_folder
-  std::string runtime_folder;  // empty: default_runtime_folder
-  std::string record_ip;       // a pcapng file for all TCP traffic; empty: none
+  bool fresh = false;                   // stored EEPROMs are not loaded, and overwritten
+  std::string state_folder;             // empty: default_state_folder
+  std::string runtime_folder;           // empty: default_runtime_folder
+  std::string record_ip;                // a pcapng file for all TCP traffic; empty: none
+  std::vector<std::string> record_can;  // as LiveCan::record has it
 };
 
 class LivePlant {
@@ -49,10 +52,12 @@ class LivePlant {
   const std::string& state_folder() const { return store_->folder(); }
 
  private:
+  std::int64_t start_unix_ns() const;
   void open_tcp(const LiveOptions& options);
   void open_serial(const std::string& runtime_folder);
   void open_line(std::size_t index, const std::string& runtime_folder);
   void schedule_housekeeping();
+  void keep_house();
 
   transports::EventLoop& loop_;
   Notice notice_;
@@ -62,8 +67,10 @@ class LivePlant {
   std::unique_ptr<ControlServer> control_;
   std::unique_ptr<transports::UnixSocketListener> control_listener_;
   std::vector<std::unique_ptr<transports::TcpListener>> tcp_;
+  std::unique_ptr<LiveCan> can_;
   kernel::EventId housekeeping_ = 0;
   kernel::EventId ready_check_ = 0;
+  bool recording_failed_ = false;  // and was told
 };
 
 }  // namespace vinv::rig

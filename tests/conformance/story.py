@@ -10,10 +10,13 @@ import time
 from drip import Drip
 from masters import MASTERS, ModbusException, Silence
 from plant import Plant, wait_until
+from ramp import slope
 from recording import check_recording
 
 PLANT = """
 name: story
+networks:
+  can0: {can: virtual, socketcand: "127.0.0.1:0"}
 drives:
   - name: mill
     inverter: {family: fr-e500, model: FR-E540-1.5K}
@@ -70,15 +73,6 @@ def sample_ramp(master, target, timeout):
         assert samples[-1][0] < deadline, f"{target} Hz not within {timeout} s: {samples[-5:]}"
         time.sleep(0.005)
     return samples
-
-
-def slope(samples, low, high):
-    """Least-squares slope of the samples with low <= value <= high."""
-    inside = [(t, v) for t, v in samples if low <= v <= high]
-    assert len(inside) >= 8, f"only {len(inside)} samples between {low} and {high}: {samples}"
-    mean_t = sum(t for t, _ in inside) / len(inside)
-    mean_v = sum(v for _, v in inside) / len(inside)
-    return sum((t - mean_t) * (v - mean_v) for t, v in inside) / sum((t - mean_t) ** 2 for t, _ in inside)
 
 
 def refusals(m):

@@ -8,29 +8,24 @@
 
 namespace vinv::transports {
 
-void CanNodeState::push(const Waiting& waiting) {
+void CanNodeData::push(const Waiting& waiting) {
   ring[(first + count) % ring.size()] = waiting;
   ++count;
 }
 
-void CanNodeState::pop() {
+void CanNodeData::pop() {
   first = (first + 1) % ring.size();
   --count;
   first_is_on_wire = false;
 }
 
-std::size_t CanNodeState::clear() {
+std::size_t CanNodeData::clear() {
   const std::size_t kept = first_is_on_wire ? 1 : 0;
   return std::exchange(count, kept) - kept;
 }
 
 CanBus::Impl::Impl(kernel::Scheduler& s, CanBusOptions o)
-    : scheduler(s),
-      options(std::move(o)),
-      bit(can_bit_time(options.bitrate)),
-      load(s.now()),
-      next_sof_at(s.now()),
-      recessive_since(s.now()) {}
+    : CanWireData(s.now()), scheduler(s), options(std::move(o)), bit(can_bit_time(options.bitrate)) {}
 
 CanBus::Impl::NodePtr CanBus::Impl::attach(Instant now, CanNodeOptions node_options) {
   now = std::max(now, scheduler.now());
@@ -58,15 +53,25 @@ void CanBus::Impl::detach(const NodePtr& node) {
     transmitters.clear();
   }
   node->attached = false;
-  node->recovering = false;
-  node->handlers.reset();
+  stop_recovery(*node);
+  cancel_bus_off(*node);
+  begin_reporting();
+  set_handlers(*node, nullptr);
   node->clear();
-  if (reporting == 0) forget_detached();
+  end_reporting();
   plan_start(now);
 }
 
-void CanBus::Impl::forget_detached() {
+void CanBus::Impl::set_handlers(CanNodeState& node, std::shared_ptr<const CanHandlers> handlers) {
+  if (reporting > 0 && node.handlers) retired.push_back(std::move(node.handlers));
+  node.handlers = std::move(handlers);
+}
+
+void CanBus::Impl::end_reporting() {
+  if (--reporting > 0) return;
   std::erase_if(nodes, [](const NodePtr& n) { return !n->attached; });
+  // What they captured may have destructors that come back here.
+  const auto gone = std::exchange(retired, {});
 }
 
 CanSend CanBus::Impl::put(CanNodeState& node, const CanNodeState::Waiting& waiting) const {
@@ -93,10 +98,7 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
   const CanVerdict verdict = judge.judge(frame, node->options.name);
   if (verdict.bus_off) {
     ++node->lost;
-    // In an event of its own, because send() does not call back.
-    scheduler.schedule(now, kernel::Priority::kWire, [weak = weak_from_this(), node](Instant t) {
-      if (const auto self = weak.lock()) self->force_bus_off(t, node);
-    });
+    if (!node->bus_off_due) plan_bus_off(now, *node);
     return CanSend::kRefusedState;
   }
   const CanSend result = put(*node, {frame, now + verdict.delay, verdict});
@@ -125,19 +127,37 @@ void CanBus::Impl::reset_controller(Instant now, const NodePtr& node) {
   if (phase == Phase::kLone) leave_lone(now);
   node->lost += node->clear();
   node->counters = {};
-  node->recovering = false;
+  stop_recovery(*node);
   node->not_before = now;
   node->joined_at = now;
+  states_changed = true;
   report_states(now);
   plan_start(now);
 }
 
-void CanBus::Impl::force_bus_off(Instant now, const NodePtr& node) {
-  if (closed || !node->participates()) return;
+// In an event of its own, because send() does not call back.
+void CanBus::Impl::plan_bus_off(Instant at, CanNodeState& node) {
+  node.bus_off_due = true;
+  node.bus_off_at = at;
+  node.bus_off_event = scheduler.schedule(at, kernel::Priority::kWire, [this, n = &node](Instant now) {
+    n->bus_off_event = 0;
+    n->bus_off_due = false;
+    force_bus_off(now, *n);
+  });
+}
+
+void CanBus::Impl::cancel_bus_off(CanNodeState& node) {
+  node.bus_off_due = false;
+  if (node.bus_off_event != 0) scheduler.cancel(std::exchange(node.bus_off_event, 0));
+}
+
+void CanBus::Impl::force_bus_off(Instant now, CanNodeState& node) {
+  if (closed || !node.participates()) return;
   now = std::max(now, scheduler.now());
   if (phase == Phase::kLone) leave_lone(now);
-  node->counters.tec = CanErrorCounters::kBusOffLevel;
-  enter_bus_off(now, *node);
+  node.counters.tec = CanErrorCounters::kBusOffLevel;
+  states_changed = true;
+  enter_bus_off(now, node);
   plan_recovery();
   report_states(now);
   plan_start(now);
@@ -154,14 +174,84 @@ void CanBus::Impl::enter_bus_off(Instant now, CanNodeState& node) {
 void CanBus::Impl::start_recovery(Instant now, CanNodeState& node) {
   if (!node.attached || !node.online || !node.counters.is_bus_off() || node.recovering) return;
   node.recovering = true;
+  ++recovering;
   node.recovery_left = kRecoverySequences;
   node.recovery_from = now;
 }
 
-void CanBus::Impl::close() {
-  closed = true;
+void CanBus::Impl::stop_recovery(CanNodeState& node) {
+  if (std::exchange(node.recovering, false)) --recovering;
+}
+
+void CanBus::Impl::cancel_events() {
   if (wire_event != 0) scheduler.cancel(std::exchange(wire_event, 0));
   if (recovery_event != 0) scheduler.cancel(std::exchange(recovery_event, 0));
+  for (const NodePtr& n : nodes) {
+    if (n->bus_off_event != 0) scheduler.cancel(std::exchange(n->bus_off_event, 0));
+  }
+}
+
+CanBusState CanBus::Impl::save() const {
+  VINV_CHECK(reporting == 0);
+  CanBusState state;
+  state.wire = *this;
+  state.at = scheduler.now();
+  for (const NodePtr& n : nodes) state.nodes.push_back(*n);
+  for (const NodePtr& t : transmitters) {
+    const auto at = std::find(nodes.begin(), nodes.end(), t);
+    state.transmitters.push_back(at == nodes.end() ? state.nodes.size() : static_cast<std::size_t>(at - nodes.begin()));
+    if (at == nodes.end()) state.nodes.push_back(*t);
+  }
+  return state;
+}
+
+Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
+  VINV_CHECK(reporting == 0 && !closed);
+  const std::string refused = "cannot restore CAN bus " + options.name + ": ";
+  if (state.at != scheduler.now()) return Unexpected(refused + "the state is of another time");
+  const auto attached = static_cast<std::size_t>(
+      std::count_if(state.nodes.begin(), state.nodes.end(), [](const CanNodeData& n) { return n.attached; }));
+  if (attached != nodes.size()) {
+    return Unexpected(refused + "it has " + std::to_string(nodes.size()) + " nodes, the state " +
+                      std::to_string(attached));
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const CanNodeData& n = state.nodes[i];
+    if (n.options.name != nodes[i]->options.name || n.ring.size() != nodes[i]->ring.size()) {
+      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + nodes[i]->options.name +
+                        ", in the state " + n.options.name);
+    }
+  }
+  cancel_events();
+  static_cast<CanWireData&>(*this) = state.wire;
+  recovering = 0;
+  states_changed = false;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    static_cast<CanNodeData&>(*nodes[i]) = state.nodes[i];
+    recovering += nodes[i]->recovering ? 1 : 0;
+  }
+  transmitters.clear();
+  for (const std::size_t index : state.transmitters) {
+    if (index < nodes.size()) {
+      transmitters.push_back(nodes[index]);
+      continue;
+    }
+    const auto left = std::make_shared<CanNodeState>();
+    static_cast<CanNodeData&>(*left) = state.nodes[index];
+    transmitters.push_back(left);
+  }
+  if (phase == Phase::kStarting) schedule_arbitration();
+  if (phase == Phase::kBusy) schedule_end();
+  plan_recovery();
+  for (const NodePtr& n : nodes) {
+    if (n->bus_off_due) plan_bus_off(n->bus_off_at, *n);
+  }
+  return {};
+}
+
+void CanBus::Impl::close() {
+  closed = true;
+  cancel_events();
   for (const NodePtr& n : nodes) n->online = false;
   observers.clear();
 }
@@ -190,6 +280,10 @@ void CanBus::set_faults(CanFaultPlan plan) {
 
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }
+kernel::Scheduler& CanBus::scheduler() const { return impl_->scheduler; }
+
+CanBusState CanBus::save() const { return impl_->save(); }
+Result<void, std::string> CanBus::restore(const CanBusState& state) { return impl_->restore(state); }
 
 CanBusStats CanBus::stats(Instant now) const {
   Impl& impl = *impl_;
@@ -210,7 +304,7 @@ CanNode::CanNode(std::shared_ptr<CanBus::Impl> bus, std::shared_ptr<CanNodeState
 CanNode::~CanNode() { bus_->detach(state_); }
 
 void CanNode::set_handlers(CanHandlers handlers) {
-  state_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
+  bus_->set_handlers(*state_, std::make_shared<const CanHandlers>(std::move(handlers)));
 }
 CanSend CanNode::send(Instant now, const CanFrame& frame) { return bus_->send(now, state_, frame); }
 std::size_t CanNode::queue_room() const {
@@ -234,7 +328,7 @@ void CanNode::set_listen_only(Instant now, bool listen_only) {
   state_->options.listen_only = listen_only;
   bus_->reset_controller(now, state_);
 }
-void CanNode::force_bus_off(Instant now) { bus_->force_bus_off(now, state_); }
+void CanNode::force_bus_off(Instant now) { bus_->force_bus_off(now, *state_); }
 void CanNode::recover(Instant now) {
   if (bus_->closed) return;
   if (bus_->phase == CanBus::Impl::Phase::kLone) bus_->leave_lone(now);

@@ -29,7 +29,7 @@ with tempfile.TemporaryDirectory() as folder:
         f.write("# Fails.\nplant: { drives: [{}] }\nsteps:\n  - { when: ready, check: { mode: PU } }\n")
     live = folder + "/live.yaml"
     with open(live, "w", encoding="utf-8") as f:
-        f.write("# Live.\nplant: { name: scenario_cli_test, drives: [{ board: { modbus_tcp: '127.0.0.1:0' } }] }\n"
+        f.write("# Live.\nplant: { name: scenario_cli_test, drives: [{ board: { modbus_tcp: '127.0.0.1:0', network: none } }] }\n"
                 "limit: 10 s\ntolerance: { time: 1 s }\nsteps:\n  - { when: ready, within: 3 s, check: { mode: EXT } }\n")
 
     code, out, err = run("run", GOOD)

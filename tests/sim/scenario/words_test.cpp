@@ -37,6 +37,7 @@ const std::vector<std::pair<const char*, const char*>> kStories{
     {"ambient", "  - ambient: 50 C\n  - reached: { heat_sink: above 26 C, within: 15 s }\n"},
     {"power", "  - power: off\n  - reached: { powered: off, within: 5 s }\n"},
     {"fault", "  - fault: { option: on }\n  - trip: { code: E.OPT, within: 100 ms }\n"},
+    {"wire", "  - wire: { drop: 10 %, id: 185 }\n  - wire: bus_off\n  - wire: none\n  - check: running\n"},
     {"switch", "  - switch: { SW1: 2 }\n  - check: running\n"},
 };
 
