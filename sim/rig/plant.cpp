@@ -31,7 +31,7 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
 Plant::~Plant() {
   if (tick_event_ != 0) scheduler_.cancel(tick_event_);
   for (const auto& d : drives_)
-    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released})
+    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released, d->load_ramp_ends})
       if (id != 0) scheduler_.cancel(id);
 }
 
