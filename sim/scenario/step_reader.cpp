@@ -148,6 +148,7 @@ void Substitution::visit(YAML::Node node, const Variables& variables, rig::Probl
   } else if (node.IsMap()) {
     for (auto pair : node) {
       if (pair.first.IsScalar() && contains(skip, pair.first.Scalar()) && !pair.second.IsScalar()) continue;
+      visit(pair.first, variables, problems, skip);
       visit(pair.second, variables, problems, skip);
     }
   } else if (node.IsSequence()) {
