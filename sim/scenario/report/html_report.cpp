@@ -142,8 +142,8 @@ void append_signals(std::string& page, const Recording& r) {
   page += fmt::format("<p class=\"note\">{} of {}, every {:g} ms",
                       count_text(r.times.size(), "sample", "samples"), count_text(r.columns.size(), "signal", "signals"),
                       to_seconds(r.coarsest) * 1e3);
-  if (r.windows > 0) {
-    page += fmt::format(", and every {:g} ms in {} around trips and events", to_seconds(r.finest) * 1e3,
+  if (r.windows > 0 && r.finest < r.coarsest) {
+    page += fmt::format(", and every {:g} ms in {} around what happened", to_seconds(r.finest) * 1e3,
                         count_text(r.windows, "span", "spans"));
   }
   page += '.';

@@ -73,6 +73,8 @@ vinv.panes = (run, place) => {
     if (state.b !== null) part("B", vinv.seconds(state.b) + " s");
     if (state.a !== null && state.b !== null) part("B−A", vinv.seconds(state.b - state.a) + " s");
     readout.replaceChildren(...parts);
+    // Columns that have nothing to say leave their room to the names.
+    area.setAttribute("data-marks", (state.a === null ? "" : "a") + (state.b === null ? "" : "b"));
     const a = state.a === null ? -1 : vinv.nearest(times, state.a);
     const b = state.b === null ? -1 : vinv.nearest(times, state.b);
     for (const legend of legends) {
@@ -166,7 +168,7 @@ vinv.panes = (run, place) => {
     cursor: {
       y: false,
       sync: { key: "vinv", setSeries: false, filters: { pub: (type) => type === "mousemove" || type === "mouseleave" } },
-      drag: { x: true, y: false, setScale: true }, bind: { dblclick: () => () => null }, focus: { prox: 24 },
+      drag: { x: true, y: false, setScale: true }, bind: { dblclick: () => () => null },
     },
     scales: { x: { time: false, min: state.view.min, max: state.view.max } },
     axes: [{ ...axis(), size: 26 }, {
@@ -174,7 +176,7 @@ vinv.panes = (run, place) => {
       labelFont: "11px system-ui, sans-serif",
     }],
     series: [{}, ...group.columns.map((i, k) => ({
-      label: run.columns[i].name, stroke: () => vinv.colour("s" + (k % 8)), width: 1.5, points: { show: false },
+      label: run.columns[i].name, stroke: () => vinv.colour("s" + (k % 8)), width: 1.5, points: { show: false }, pxAlign: 0,
       dash: k >= 8 ? [6, 3] : undefined, show: !state.hidden.has(i),
     }))],
     hooks: {

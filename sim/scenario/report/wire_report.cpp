@@ -1,10 +1,12 @@
 #include "sim/scenario/report/wire_report.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "sim/base/can_frame.hpp"
 #include "sim/transports/can/can_recorder.hpp"
@@ -67,7 +69,7 @@ bool from_master(const WireRecord& r) { return r.sender == "master"; }
 
 class Capture {
  public:
-  Capture() { encoder_.begin_section(out_, "vinverter"); }
+  Capture() { encoder_.begin_section(head_, "vinverter"); }
 
   void add(const WireRecord& r) {
     switch (r.kind) {
@@ -81,33 +83,50 @@ class Capture {
   Bytes finish() {
     for (auto& [network, line] : lines_) line->flush();
     for (auto& [network, connection] : connections_) connection->conversation->close(transports::TcpSide::kClient);
-    return std::move(out_);
+    // A serial packet is complete only some time after it began.
+    std::stable_sort(blocks_.begin(), blocks_.end(), [](const Block& a, const Block& b) { return a.at < b.at; });
+    head_.reserve(head_.size() + packets_.size());
+    for (const Block& b : blocks_) {
+      const auto begin = packets_.begin() + static_cast<std::ptrdiff_t>(b.begin);
+      head_.insert(head_.end(), begin, begin + static_cast<std::ptrdiff_t>(b.size));
+    }
+    return std::move(head_);
   }
 
  private:
+  struct Block {
+    Instant at;
+    std::size_t begin = 0;  // in packets_
+    std::size_t size = 0;
+  };
   struct Connection {
     Instant last{};
     std::unique_ptr<transports::TcpConversation> conversation;
   };
 
-  void can(const WireRecord& r, const Bytes& packet) {
+  void packet(std::uint32_t interface_id, Instant at, ByteView data,
+              PacketDirection direction = PacketDirection::kUnknown) {
+    const std::size_t begin = packets_.size();
+    encoder_.packet(packets_, interface_id, at, data, direction);
+    blocks_.push_back({at, begin, packets_.size() - begin});
+  }
+
+  void can(const WireRecord& r, const Bytes& data) {
     auto found = buses_.find(r.network);
     if (found == buses_.end()) {
-      found = buses_.emplace(r.network, encoder_.add_interface(out_, transports::kLinkTypeSocketCan,
+      found = buses_.emplace(r.network, encoder_.add_interface(head_, transports::kLinkTypeSocketCan,
                                                                interface_name(r.network, "can0"))).first;
     }
-    encoder_.packet(out_, found->second, r.at, packet);
+    packet(found->second, r.at, data);
   }
 
   void serial(const WireRecord& r) {
     auto& line = lines_[r.network];
     if (!line) {
       const std::uint32_t id =
-          encoder_.add_interface(out_, transports::LinkType::kRtacSerial, interface_name(r.network, "serial"));
+          encoder_.add_interface(head_, transports::LinkType::kRtacSerial, interface_name(r.network, "serial"));
       line = std::make_unique<transports::SerialPackets>(
-          [this, id](Instant at, ByteView packet, PacketDirection direction) {
-            encoder_.packet(out_, id, at, packet, direction);
-          });
+          [this, id](Instant at, ByteView data, PacketDirection direction) { packet(id, at, data, direction); });
     }
     line->bytes(r.at, from_master(r) ? PacketDirection::kInbound : PacketDirection::kOutbound, r.bytes);
   }
@@ -118,15 +137,15 @@ class Capture {
     if (!connection) {
       const auto number = static_cast<std::uint32_t>(connections_.size() - 1);
       const std::uint32_t id =
-          encoder_.add_interface(out_, transports::LinkType::kEthernet, interface_name(r.network, "tcp"));
+          encoder_.add_interface(head_, transports::LinkType::kEthernet, interface_name(r.network, "tcp"));
       connection = std::make_unique<Connection>();
       connection->last = r.at;
       connection->conversation = std::make_unique<transports::TcpConversation>(
           test_net(1, static_cast<std::uint16_t>(49152 + number % 16384)),
           transports::parse_ip_endpoint(r.network).value_or(test_net(254, 502)), number,
           [this, id, &last = connection->last](TcpSide from, ByteView frame) {
-            encoder_.packet(out_, id, last, frame,
-                            from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
+            packet(id, last, frame,
+                   from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
           });
       connection->conversation->open();
     }
@@ -134,7 +153,9 @@ class Capture {
     connection->conversation->data(from_master(r) ? TcpSide::kClient : TcpSide::kServer, r.bytes);
   }
 
-  Bytes out_;
+  Bytes head_;  // the section and its interfaces
+  Bytes packets_;
+  std::vector<Block> blocks_;
   transports::PcapngEncoder encoder_;
   std::map<std::string, std::uint32_t> buses_;
   std::map<std::string, std::unique_ptr<transports::SerialPackets>> lines_;

@@ -49,7 +49,7 @@ TEST(HtmlReport, TheEssentialsAreReadableWithoutScripts) {
         "0.020 s of virtual time", "1 of 2 failed", "<dt>seed</dt><dd>7</dd>", kBuild, "trip E.OV3: DC link 802 V",
         "<td>none</td><td>E.OV3</td><td class=\"n\">16</td>", "<b>Cause</b> DC link 802 V, deceleration 0.5 s",
         "<a class=\"t\" href=\"#t=0.020\">0.020</a>", "<a href=\"stop.csv\">signals.csv</a>",
-        "3 samples of 2 signals, every 10 ms, and every 1 ms in 1 span around trips and events."}) {
+        "3 samples of 2 signals, every 10 ms, and every 1 ms in 1 span around what happened."}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   EXPECT_LT(page.find("<td>alarm</td>"), page.find("<td>output_frequency</td>")) << "failed checks come first";

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/sim/scenario/report/sample_run.hpp"
 
 namespace vinv::scenario {
@@ -79,6 +81,11 @@ TEST(WireReport, CanPacketsHaveTheIdentifierWithItsFlags) {
   EXPECT_EQ(packets[1].data, (Bytes{0x80, 0, 1, 0x23, 2, 0, 0, 0, 0xDE, 0xAD}));
   EXPECT_EQ(packets[2].data, (Bytes{0x40, 0, 7, 5, 1, 0, 0, 0}));
   EXPECT_EQ(packets[3].data, (Bytes{0x20, 0, 0, 0x88, 8, 0, 0, 0, 0, 0, 1, 10, 0, 0, 0, 0}));
+}
+
+TEST(WireReport, PacketsAreInTheOrderOfTime) {
+  const auto packets = packets_of(wire_pcapng(recording_of(sample_wire())));
+  EXPECT_TRUE(std::is_sorted(packets.begin(), packets.end(), [](const auto& a, const auto& b) { return a.ns < b.ns; }));
 }
 
 TEST(WireReport, SerialPacketsHaveDirectionAndBytes) {
