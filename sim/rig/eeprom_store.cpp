@@ -35,8 +35,12 @@ void sync_folder(const std::string& folder) {
 
 }  // namespace
 
-void write_whole_file(const std::string& path, const std::string& text) {
+void write_whole_file(const std::string& path, std::string_view text, FileSync sync) {
   const std::string temporary = path + ".new";
+  const auto give_up = [&](const std::string& name, int error) {
+    ::unlink(temporary.c_str());  // a full disk would otherwise stay full of it
+    fail(name + " cannot be written", error);
+  };
   {
     const Descriptor file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
     if (file.fd < 0) fail(temporary + " cannot be written", errno);
@@ -44,13 +48,13 @@ void write_whole_file(const std::string& path, const std::string& text) {
     while (done < text.size()) {
       const ssize_t n = ::write(file.fd, text.data() + done, text.size() - done);
       if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail(temporary + " cannot be written", errno);
+      if (n < 0) give_up(temporary, errno);
       done += static_cast<std::size_t>(n);
     }
-    if (::fsync(file.fd) != 0) fail(temporary + " cannot be written", errno);
+    if (sync == FileSync::kYes && ::fsync(file.fd) != 0) give_up(temporary, errno);
   }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) fail(path + " cannot be written", errno);
-  sync_folder(fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".");
+  if (::rename(temporary.c_str(), path.c_str()) != 0) give_up(path, errno);
+  if (sync == FileSync::kYes) sync_folder(fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".");
 }
 
 EepromStore::EepromStore(std::string folder) : folder_(std::move(folder)) {

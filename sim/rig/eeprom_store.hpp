@@ -3,11 +3,13 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <thread>
 
 namespace vinv::rig {
@@ -53,8 +55,10 @@ class EepromStore {
   std::thread writer_;
 };
 
+// kNo: for what can be made again; after a crash of the machine the file may be the old one, or empty.
+enum class FileSync : std::uint8_t { kNo, kYes };
 // Writes the whole text or nothing: temporary file beside it, fsync, rename, fsync of the folder. Throws
-// std::runtime_error with the path and the reason.
-void write_whole_file(const std::string& path, const std::string& text);
+// std::runtime_error with the path and the reason, and removes the temporary file.
+void write_whole_file(const std::string& path, std::string_view text, FileSync sync = FileSync::kYes);
 
 }  // namespace vinv::rig

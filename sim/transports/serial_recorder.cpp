@@ -2,56 +2,25 @@
 
 #include <utility>
 
+#include "sim/transports/serial_packets.hpp"
 #include "sim/transports/stream_handlers.hpp"
 
 namespace vinv::transports {
 namespace {
 
-// Event types of the RTAC serial header, seen from our end. All its numbers are big endian.
-constexpr std::uint8_t kDataTxStart = 1;
-constexpr std::uint8_t kDataRxStart = 2;
-
 class LineLog {
  public:
   LineLog(std::shared_ptr<CaptureFile> file, const std::string& name)
-      : file_(std::move(file)), interface_id_(file_->add_interface(LinkType::kRtacSerial, name)) {}
+      : packets_([file, id = file->add_interface(LinkType::kRtacSerial, name)](
+                     Instant at, ByteView packet, PacketDirection direction) { file->packet(id, at, packet, direction); }) {}
 
-  void bytes(Instant now, std::uint8_t event, ByteView bytes) {
-    if (!pending_.empty() && (event != event_ || now - last_ > SerialRecorder::kFrameGap)) write_pending();
-    if (pending_.empty()) {
-      event_ = event;
-      first_ = now;
-    }
-    last_ = now;
-    pending_.insert(pending_.end(), bytes.begin(), bytes.end());
-    if (pending_.size() >= ByteStream::kMaxQueuedBytes) write_pending();
-  }
-
-  void write_pending() {
-    if (pending_.empty()) return;
-    packet_.clear();
-    const auto us = static_cast<std::uint64_t>(to_ns(first_) / 1000);
-    append_be32(packet_, static_cast<std::uint32_t>(us / 1'000'000));
-    append_be32(packet_, static_cast<std::uint32_t>(us % 1'000'000));
-    packet_.push_back(event_);
-    packet_.push_back(0);  // control lines: none
-    append_be16(packet_, 0);
-    packet_.insert(packet_.end(), pending_.begin(), pending_.end());
-    file_->packet(interface_id_, first_, packet_,
-                  event_ == kDataRxStart ? PacketDirection::kInbound : PacketDirection::kOutbound);
-    pending_.clear();
-  }
+  void bytes(Instant now, PacketDirection direction, ByteView bytes) { packets_.bytes(now, direction, bytes); }
+  void write_pending() { packets_.flush(); }
 
   StreamHandlers handlers;
 
  private:
-  std::shared_ptr<CaptureFile> file_;
-  std::uint32_t interface_id_;
-  std::uint8_t event_ = kDataRxStart;
-  Instant first_{};
-  Instant last_{};
-  Bytes pending_;
-  Bytes packet_;
+  SerialPackets packets_;
 };
 
 class RecordedLine : public ByteStream {
@@ -66,7 +35,7 @@ class RecordedLine : public ByteStream {
     log_->handlers.set(std::move(on_bytes), std::move(on_closed));
     inner_->set_handlers(
         [log = log_](Instant now, ByteView bytes, bool line_error) {
-          log->bytes(now, kDataRxStart, bytes);
+          log->bytes(now, PacketDirection::kInbound, bytes);
           log->handlers.bytes(now, bytes, line_error);
         },
         [log = log_](Instant now, const std::string& reason) {
@@ -75,7 +44,7 @@ class RecordedLine : public ByteStream {
         });
   }
   void send(Instant now, ByteView bytes) override {
-    log_->bytes(now, kDataTxStart, bytes);
+    log_->bytes(now, PacketDirection::kOutbound, bytes);
     inner_->send(now, bytes);
   }
   void close() override {

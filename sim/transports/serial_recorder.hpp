@@ -1,8 +1,7 @@
 // Records serial lines into a capture file, each as an interface of link type RTAC serial (250), which carries
 // direction and time. tshark 4.0 reads Modbus RTU in it with `tshark -r FILE -d rtacser.data,mbrtu`.
 //
-// A line has no packets: bytes of one direction that follow within kFrameGap are one packet. The last packet of a line
-// is written when something else happens on it, or when the stream ends.
+// The last packet of a line (serial_packets.hpp) is written when something else happens on it, or when the stream ends.
 #pragma once
 
 #include <memory>
@@ -15,9 +14,6 @@ namespace vinv::transports {
 
 class SerialRecorder {
  public:
-  // Masters send a frame in one piece and wait tens of milliseconds before the next.
-  static constexpr Duration kFrameGap = std::chrono::milliseconds(5);
-
   explicit SerialRecorder(std::shared_ptr<CaptureFile> file) : file_(std::move(file)) {}
   // line_name names the interface in the file. The wrapped stream may outlive the recorder.
   std::unique_ptr<ByteStream> wrap(std::unique_ptr<ByteStream> stream, const std::string& line_name);

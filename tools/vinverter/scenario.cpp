@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "sim/scenario/batch.hpp"
-#include "sim/scenario/csv_writer.hpp"
 #include "sim/scenario/junit.hpp"
 #include "sim/scenario/live_run.hpp"
+#include "sim/scenario/report/report_folder.hpp"
 #include "sim/scenario/units.hpp"
 #include "tools/vinverter/subcommands.hpp"
 #include "vinverter_data.hpp"
@@ -146,7 +146,10 @@ int run(const ScenarioOptions& options) {
   batch.jobs = options.jobs != 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
   std::vector<std::unique_ptr<scenario::ReportWriter>> writers;
   if (!options.junit.empty()) writers.push_back(std::make_unique<scenario::JunitWriter>(options.junit));
-  if (!options.report.empty()) writers.push_back(std::make_unique<scenario::CsvWriter>(options.report));
+  if (!options.report.empty()) {
+    writers.push_back(std::make_unique<scenario::ReportFolder>(
+        options.report, fmt::format("vinverter {} ({})", VINV_VERSION, VINV_GIT_DESCRIBE)));
+  }
   scenario::BatchResult result;
   {
     Progress progress(files.size());
@@ -206,7 +209,7 @@ void add_scenario(CLI::App& app, int& exit_code) {
   common(run_command);
   run_command->add_flag("--live", options->live, "In real time, with the plant's wires open, one after the other");
   run_command->add_option("--junit", options->junit, "Write a JUnit XML file");
-  run_command->add_option("--report", options->report, "Write signals and events as CSV into this folder");
+  run_command->add_option("--report", options->report, "Write HTML, CSV, candump and pcapng of each run into this folder");
   CLI::Option* seed = run_command->add_option("--seed", options->seed, "In place of the files' seeds");
   run_command->add_option("--jobs", options->jobs, "How many run at a time; default: one per processor");
   run_command->add_flag("--verbose", options->verbose, "Print all events of each run");

@@ -4,21 +4,23 @@
 #include <map>
 
 #include "sim/scenario/batch.hpp"
-#include "sim/scenario/csv_writer.hpp"
 #include "sim/scenario/junit.hpp"
+#include "sim/scenario/report/csv_report.hpp"
+#include "sim/scenario/report/html_report.hpp"
+#include "sim/scenario/report/wire_report.hpp"
 
 namespace vinv::scenario {
 namespace {
 
 struct Keep : ReportWriter {
   std::map<std::string, std::string>* texts;
-  void write(const Scenario*, const RunResult& result) override {
+  void write(const Scenario* scenario, const RunResult& result) override {
     JunitWriter junit("unused");
     junit.write(nullptr, result);
-    std::string states;
-    for (const StateTrace& t : result.recording.states)
-      for (const auto& c : t.changes) states += t.name + " " + std::to_string(to_ns(c.at)) + " " + c.value + "\n";
-    (*texts)[result.path] = signals_csv(result.recording) + events_csv(result) + states + junit.text();
+    const Bytes capture = wire_pcapng(result.recording);
+    (*texts)[result.path] = html_report(scenario, result, "build", {}) + signals_csv(result.recording) +
+                            states_csv(result.recording) + events_csv(result) + candump_log(result.recording) +
+                            std::string(capture.begin(), capture.end()) + junit.text();
   }
 };
 

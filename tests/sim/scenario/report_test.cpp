@@ -3,8 +3,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "sim/scenario/csv_writer.hpp"
 #include "sim/scenario/junit.hpp"
+#include "sim/scenario/report/csv_report.hpp"
 #include "tests/sim/scenario/support.hpp"
 
 namespace vinv::scenario {
@@ -47,16 +47,13 @@ TEST(Csv, HasARowPerSampleAndPerEvent) {
   const RunResult r = testing::run_steps("  - note: a, \"b\"\n");
   const std::string signals = signals_csv(r.recording);
   EXPECT_EQ(signals.substr(0, 7), "time_s,");
-  EXPECT_NE(signals.find("drive_1.output_frequency Hz"), std::string::npos);
+  EXPECT_NE(signals.find("drive_1.output_frequency [Hz]"), std::string::npos);
   EXPECT_EQ(static_cast<std::size_t>(std::count(signals.begin(), signals.end(), '\n')), r.recording.times.size() + 1);
-  EXPECT_NE(events_csv(r).find(",note,,12,\"a, \"\"b\"\"\"\n"), std::string::npos) << events_csv(r);
+  EXPECT_NE(events_csv(r).find(",note,,\"a, \"\"b\"\"\",12\r\n"), std::string::npos) << events_csv(r);
 }
 
-TEST(Reports, AFullDiskAndABadFolderAreSentences) {
+TEST(Reports, AFullDiskIsASentence) {
   EXPECT_THROW(write_file("/dev/full", std::string(100'000, 'x')), std::runtime_error);
-  const RunResult r = testing::run_steps("  - note: a\n");
-  CsvWriter in_a_file("/dev/null/reports");
-  EXPECT_THROW(in_a_file.write(nullptr, r), std::runtime_error);
 }
 
 TEST(Reports, FileNamesTellFoldersApart) {
