@@ -1,6 +1,7 @@
 #include "sim/base/archive.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "sim/base/check.hpp"
 
@@ -13,6 +14,9 @@ constexpr std::size_t kVersionAt = 8;
 constexpr std::size_t kReservedAt = 12;
 constexpr std::size_t kLengthAt = 16;
 constexpr std::size_t kChecksumAt = 24;
+
+constexpr std::size_t kFirstRoom = 4096;
+static_assert(kFirstRoom >= kSnapshotHeader);
 
 template <class T>
 T word_at(ByteView bytes, std::size_t at) {
@@ -50,7 +54,9 @@ void seal_snapshot(Bytes& snapshot) {
 Archive Archive::saving(Bytes& out) {
   Archive a(Mode::kSave);
   a.out_ = &out;
-  out.assign(kSnapshotHeader, 0);
+  a.at_ = kSnapshotHeader;
+  out.resize(std::max(out.capacity(), kFirstRoom));
+  std::fill_n(out.begin(), kSnapshotHeader, std::uint8_t{0});
   std::copy(kMagic.begin(), kMagic.end(), out.begin());
   std::memcpy(out.data() + kVersionAt, &kSnapshotVersion, sizeof kSnapshotVersion);
   return a;
@@ -97,19 +103,21 @@ void Archive::fail(std::string why) {
 
 void Archive::seal() {
   if (failed()) return;
-  if (mode_ == Mode::kSave) seal_snapshot(*out_);
+  if (mode_ == Mode::kSave) {
+    out_->resize(at_);
+    seal_snapshot(*out_);
+  }
   require(at_ == in_.size(), "it has more values than this build reads");
 }
 
-void Archive::block(void* data, std::size_t size) {
+void Archive::block_with_checks(void* data, std::size_t size) {
   if (failed() || size == 0) return;
   switch (mode_) {
-    case Mode::kSave: {
-      const std::size_t at = out_->size();
-      out_->resize(at + size);
-      std::memcpy(out_->data() + at, data, size);
+    case Mode::kSave:
+      out_->resize(std::max(2 * out_->size(), at_ + size));
+      std::memcpy(out_->data() + at_, data, size);
+      at_ += size;
       return;
-    }
     case Mode::kLoad:
       if (size > in_.size() - at_) {
         fail("the snapshot is damaged: it ends too early");
@@ -163,6 +171,12 @@ bool Archive::check_layout(std::string_view type, std::uint32_t layout) {
 }
 
 void Archive::list(std::string_view value) { list_->append(path_).append(" = ").append(value).append("\n"); }
+
+void Archive::list_real(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  list(text);
+}
 
 void archive(Archive& a, std::string& text) {
   const std::size_t size = a.count(text.size());

@@ -16,12 +16,10 @@
 
 #include <array>
 #include <bit>
-#include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <deque>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -78,7 +76,15 @@ class Archive {
   // Number of elements of a container, for loops of one's own: 0 once failed. Loading refuses more than limit.
   std::size_t count(std::size_t here, std::size_t limit = kMostElements);
   // Raw bytes, for contiguous numbers.
-  void block(void* data, std::size_t size);
+  void block(void* data, std::size_t size) {
+    // What nearly every call comes to.
+    if (mode_ == Mode::kSave && out_->size() - at_ >= size && !failed()) {
+      std::memcpy(out_->data() + at_, data, size);
+      at_ += size;
+    } else {
+      block_with_checks(data, size);
+    }
+  }
   // Bytes that a load has still to read.
   std::size_t left() const { return mode_ == Mode::kLoad ? in_.size() - at_ : 0; }
 
@@ -92,21 +98,20 @@ class Archive {
   enum class Mode : std::uint8_t { kSave, kLoad, kList };
   explicit Archive(Mode mode) : mode_(mode) {}
 
+  void block_with_checks(void* data, std::size_t size);
   bool check_layout(std::string_view type, std::uint32_t layout);
   void list(std::string_view value);
+  void list_real(double value);
   template <class T>
   void number(T& value);
-  // Where a listing is: path_ + part.
-  class Part;
   void enter(std::string_view part) { path_.append(path_.empty() ? 0 : 1, '.').append(part); }
 
   Mode mode_;
-  Bytes* out_ = nullptr;
-  std::size_t begin_ = 0;
+  Bytes* out_ = nullptr;  // saving: longer than what is written, until seal()
   ByteView in_;
   std::size_t at_ = 0;
   std::string* list_ = nullptr;
-  std::string path_;
+  std::string path_;  // of a listing
   std::string error_;
 };
 
@@ -177,8 +182,8 @@ void archive(Archive& a, std::pair<A, B>& value) {
 template <class E>
 void archive(Archive& a, Result<void, E>& result) {
   bool ok = result.has_value();
-  a.io(ok);
   E error = ok ? E{} : result.error();
+  a.io(ok);
   if (!ok) a.io(error);
   if (a.loads()) result = ok ? Result<void, E>() : Result<void, E>(Unexpected(error));
 }
@@ -198,6 +203,7 @@ void archive(Archive& a, std::vector<T, Allocator>& values) {
       if (a.failed()) return;
       values.resize(count);
     }
+    if (count == 0) return;
     a.block(values.data(), count * sizeof(T));
   } else {
     if (a.loads()) values.clear();
@@ -297,9 +303,7 @@ void Archive::number(T& value) {
   static_assert(std::endian::native == std::endian::little, "snapshots are little-endian memory");
   if (mode_ == Mode::kList) {
     if constexpr (std::is_floating_point_v<T>) {
-      char text[40];
-      std::snprintf(text, sizeof text, "%.17g", static_cast<double>(value));
-      list(text);
+      list_real(static_cast<double>(value));
     } else {
       list(std::to_string(value));
     }
@@ -337,11 +341,12 @@ void Archive::fields(std::string_view type, std::string_view names, T&... values
     const std::size_t length = path_.size();
     if (length == 0) enter(type);
     const auto one = [&](auto& value) {
-      const std::size_t end = std::min(names.find(','), names.size());
+      const std::size_t comma = names.find(',');
+      const std::size_t end = comma == std::string_view::npos ? names.size() : comma;
       const std::size_t outer = path_.size();
       enter(names.substr(0, end));
       names.remove_prefix(end);
-      names.remove_prefix(std::min(names.find_first_not_of(", "), names.size()));
+      while (names.starts_with(',') || names.starts_with(' ')) names.remove_prefix(1);
       io(value);
       path_.resize(outer);
     };

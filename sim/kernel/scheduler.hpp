@@ -29,6 +29,7 @@ struct EventPlace {
   Duration period{};  // zero: runs once
   Priority priority = Priority::kStimulus;
   std::uint64_t sequence = 0;  // among the events of its priority
+  friend bool operator==(const EventPlace&, const EventPlace&) = default;
   VINV_ARCHIVE(EventPlace, at, period, priority, sequence);
 };
 
