@@ -28,8 +28,9 @@ class Trace {
   std::uint64_t hash_ = 0;
 };
 
-inline void observe(Inverter& inverter, int tick, Trace& trace) {
-  port::DrivePort& port = inverter.port();
+// What can be seen without changing anything.
+inline void look(Inverter& inverter, int tick, Trace& trace) {
+  const port::DrivePort& port = inverter.port();
   for (const SignalValue& s : inverter.signals()) trace.add(s.value);
   for (const auto& [name, on] : inverter.terminals()) trace.add(on ? 1.0 : 0.0);
   const port::Status s = port.status();
@@ -43,13 +44,20 @@ inline void observe(Inverter& inverter, int tick, Trace& trace) {
   const port::AlarmHistory history = port.alarm_history();
   trace.add(history.data(), history.size());
   trace.add(port.active_alarm() + 256.0 * port.start_signals().bits + 1e6 * port.storage_failures());
-  // A slow board: snapshots meet requests and outcomes in the mailbox.
-  if (tick % 7 == 0) {
-    if (const auto outcome = port.take_outcome()) trace.add(*outcome);
-  }
   trace.add(inverter.display());
   trace.add(inverter.alarm_name());
   trace.add(inverter.alarm_cause());
+  const plant::EnergyCounters& e = inverter.plant().energy();
+  trace.add(e.from_mains_j + e.stator_copper_j + e.inverter_j + e.brake_j + e.friction_j + e.load_j);
+  trace.add(inverter.plant().stored_energy_j());
+}
+
+inline void observe(Inverter& inverter, int tick, Trace& trace) {
+  look(inverter, tick, trace);
+  // A slow board: snapshots meet requests and outcomes in the mailbox.
+  if (tick % 7 == 0) {
+    if (const auto outcome = inverter.port().take_outcome()) trace.add(*outcome);
+  }
   if (inverter.take_eeprom_changed()) trace.add(inverter.eeprom_text());
 }
 
@@ -232,9 +240,11 @@ class RandomStory {
         return at(tick + span, [](Inverter& i, Trace&) { i.set_shaft_locked(false); });
       case 2:
       case 3: {
-        plant::MainsState mains{.voltage_v_rms = between(0, 420)};
+        // Short dips, and failures that take the control down.
+        const bool fails = chance(0.4);
+        plant::MainsState mains{.voltage_v_rms = fails ? 0 : between(0, 420)};
         at(tick, [mains](Inverter& i, Trace&) { i.set_mains(mains); });
-        return at(tick + span, [](Inverter& i, Trace&) { i.set_mains({}); });
+        return at(tick + (fails ? 6 * span : span), [](Inverter& i, Trace&) { i.set_mains({}); });
       }
       case 4: {
         plant::MainsState mains;
