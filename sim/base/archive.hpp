@@ -224,8 +224,8 @@ void archive(Archive& a, std::deque<T>& values) {
   }
 }
 
-template <class Key, class T>
-void archive(Archive& a, std::map<Key, T>& values) {
+template <class Key, class T, class Compare>
+void archive(Archive& a, std::map<Key, T, Compare>& values) {
   const std::size_t count = a.count(values.size());
   if (!a.loads()) {
     for (auto& [key, value] : values) {

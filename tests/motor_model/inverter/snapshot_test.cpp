@@ -240,6 +240,22 @@ TEST(Snapshot, TripOnTheWayArrivesInTheResumedRun) {
   }
 }
 
+TEST(Snapshot, PowerComesBackWithTheMainsOfTheSnapshot) {
+  Bench b(story_config());
+  b.power_on();
+  b->set_mains({.voltage_v_rms = 340});
+  b.run(0.5);
+  b->set_power(false);
+  b.tick();
+  const Bytes snapshot = save_snapshot(*b);
+  const auto inverter = fresh(story_config());
+  ASSERT_TRUE(inverter->load(snapshot).has_value());
+  inverter->set_power(true);
+  Instant now = b.now();
+  for (int i = 0; i < 500; ++i, now += Inverter::kControlPeriod) inverter->tick(now);
+  EXPECT_NEAR(inverter->plant().measurements().dc_link_v, 340 * std::sqrt(2.0), 5);
+}
+
 TEST(Snapshot, ForksGoTheirOwnWays) {
   Bench b(story_config());
   b.power_on();
