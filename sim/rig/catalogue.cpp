@@ -30,10 +30,25 @@ plant::MachineParameters scaled(plant::MachineParameters m, double power_w) {
 struct NodeParameter {
   std::string_view board_type;
   std::string_view parameter;
+  unsigned last_node;  // values from 1 on are nodes, all others let the switches count
 };
 
-// OI-FR-E5NCO manual, 5.1 and 8.4: Pr.345 holds the node; only its value 100 makes the switches count.
-constexpr NodeParameter kNodeParameters[] = {{"oi-fr-e5nco", "Pr.345"}};
+// OI-FR-E5NCO manual, 5.1 and 8.4: Pr.345 holds the node; its value 100 makes the switches count.
+constexpr NodeParameter kNodeParameters[] = {{"oi-fr-e5nco", "Pr.345", 99}};
+
+struct BitrateValue {
+  std::string_view board_type;
+  std::string_view parameter;
+  std::uint32_t bitrate;
+  unsigned value;
+};
+
+// OI-FR-E5NCO manual, 5.1: the low nibble of Pr.346; the high one is that of the factory value, 84H.
+constexpr BitrateValue kBitrateValues[] = {
+    {"oi-fr-e5nco", "Pr.346", 1'000'000, 0x81}, {"oi-fr-e5nco", "Pr.346", 500'000, 0x82},
+    {"oi-fr-e5nco", "Pr.346", 250'000, 0x83},   {"oi-fr-e5nco", "Pr.346", 125'000, 0x84},
+    {"oi-fr-e5nco", "Pr.346", 100'000, 0x85},   {"oi-fr-e5nco", "Pr.346", 62'500, 0x86},
+    {"oi-fr-e5nco", "Pr.346", 50'000, 0x87},    {"oi-fr-e5nco", "Pr.346", 20'000, 0x88}};
 
 struct CurrentInput {
   std::string_view family;
@@ -87,6 +102,19 @@ plant::LoadSettings default_load(const plant::MachineParameters& motor) {
 std::string_view node_parameter(std::string_view board_type) {
   for (const NodeParameter& row : kNodeParameters)
     if (row.board_type == board_type) return row.parameter;
+  return {};
+}
+
+unsigned node_of_parameter(std::string_view board_type, double value) {
+  for (const NodeParameter& row : kNodeParameters)
+    if (row.board_type == board_type && value >= 1 && value <= row.last_node) return static_cast<unsigned>(value);
+  return 0;
+}
+
+std::optional<StartupValue> can_bitrate_value(std::string_view board_type, std::uint32_t bitrate) {
+  for (const BitrateValue& row : kBitrateValues)
+    if (row.board_type == board_type && row.bitrate == bitrate)
+      return StartupValue{row.parameter, static_cast<double>(row.value)};
   return {};
 }
 

@@ -1,8 +1,10 @@
 // What a plant can be built of. The product's own catalogue is the default; tests put in their own parts.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +41,16 @@ plant::LoadSettings default_load(const plant::MachineParameters& motor);
 
 // The parameter that overrides a board's address switches, which `node:` sets as well; empty if there is none.
 std::string_view node_parameter(std::string_view board_type);
+// The node that this parameter's value gives; 0 if the switches count.
+unsigned node_of_parameter(std::string_view board_type, double value);
+
+// A parameter's value that stands for a setting of the board.
+struct StartupValue {
+  std::string_view parameter;
+  double value = 0;
+};
+// The parameter that sets the board's bit rate on a CAN bus; empty if there is none.
+std::optional<StartupValue> can_bitrate_value(std::string_view board_type, std::uint32_t bitrate);
 
 // Unit of an analog input: "V" or "mA".
 std::string_view analog_unit(std::string_view family, std::string_view terminal);

@@ -637,6 +637,18 @@ Json endpoints_json(const DriveUnit& drive) {
     out.push_back(
         {{"protocol", "modbus-tcp"}, {"host", drive.tcp->host}, {"port", drive.tcp->port}, {"unit", drive.unit()}});
   if (drive.serial) out.push_back({{"protocol", "modbus-rtu"}, {"path", drive.serial->path}, {"unit", drive.unit()}});
+  if (drive.can) {
+    Json can{{"protocol", "canopen"}, {"node", drive.can_node()}, {"bitrate", drive.can->bitrate}};
+    const auto put = [&](const char* key, const std::string& value) {
+      if (!value.empty()) can[key] = value;
+    };
+    put("socketcan", drive.can->socketcan);
+    put("socketcand", drive.can->socketcand);
+    put("slcan", drive.can->slcan);
+    put("udp_multicast", drive.can->udp_multicast);
+    put("channel", drive.can->channel);
+    out.push_back(std::move(can));
+  }
   return out;
 }
 

@@ -22,12 +22,24 @@ struct SerialEndpoint {
   std::string path;
 };
 
+// A bus of ours has the ways that its network opened; any other one is reached where it is.
+struct CanEndpoint {
+  std::uint32_t bitrate = 0;
+  std::string socketcan;      // interface
+  std::string socketcand;     // address:port
+  std::string slcan;          // address:port, or the path of a pseudo-terminal or tty
+  std::string udp_multicast;  // group
+  std::string channel;        // for socketcand
+};
+
 struct DriveUnit {
   DriveSpec spec;
   std::optional<TcpEndpoint> tcp;
   std::optional<SerialEndpoint> serial;
+  std::optional<CanEndpoint> can;
   std::unique_ptr<inverter::Inverter> inverter;
   std::unique_ptr<boards::OptionBoard> board;  // nullptr: none fitted
+  std::optional<std::size_t> controller;       // of the board on its CAN bus
 
   // The mains are what the plant file or `mains: {voltage}` says, less a dip and lost phases.
   plant::MainsState mains;
@@ -42,8 +54,15 @@ struct DriveUnit {
 
   // The unit identifier that masters use; what the switches say while the board is without power.
   unsigned unit() const {
-    const unsigned address = board && board->modbus_unit() != nullptr ? board->modbus_unit()->address() : 0;
+    const modbus::Unit* modbus_unit = board ? board->modbus_unit() : nullptr;
+    const unsigned address = modbus_unit != nullptr ? modbus_unit->address() : 0;
     return address != 0 ? address : spec.board ? spec.board->node.value : 0;
+  }
+  // On its CAN bus; what the switches say while the board is without power.
+  unsigned can_node() const {
+    const boards::CanChannel* channel = board ? board->can_channel() : nullptr;
+    const unsigned node = channel != nullptr ? channel->node() : 0;
+    return node != 0 ? node : spec.board ? spec.board->node.value : 0;
   }
   void apply_mains() {
     plant::MainsState now = mains;

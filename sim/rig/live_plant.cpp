@@ -35,6 +35,43 @@ transports::LineSettings transport_settings(const boards::LineSettings& s) {
   return out;
 }
 
+double kilobit(std::uint32_t bitrate) { return bitrate / 1000.0; }
+
+// How a person reaches the node: reads its device type (1000H), or listens.
+std::string can_table(const DriveUnit& d) {
+  const CanEndpoint& can = *d.can;
+  const unsigned node = d.can_node();
+  std::string out = fmt::format("  CANopen     node {}, {} kbit/s\n", node, kilobit(can.bitrate));
+  const auto python = [&](std::string_view where, const std::string& bus) {
+    out += fmt::format(
+        "              {}\n              python3 -c \"import can; b=can.Bus({}); "
+        "b.send(can.Message(arbitration_id=0x{:X},is_extended_id=False,data=[64,0,16,0,0,0,0,0])); "
+        "[print(m) for m in iter(lambda:b.recv(1),None)]; b.shutdown()\"\n",
+        where, bus, 0x600 + node);
+  };
+  if (!can.socketcan.empty())
+    out += fmt::format(
+        "              socketcan {}\n              candump {}\n              cansend {} {:03X}#4000100000000000\n",
+        can.socketcan, can.socketcan, can.socketcan, 0x600 + node);
+  if (!can.socketcand.empty()) {
+    const auto at = parse_host_port(can.socketcand);
+    python(fmt::format("socketcand {} channel {}", can.socketcand, can.channel),
+           fmt::format("interface='socketcand',host='{}',port={},channel='{}'", at->host, at->port, can.channel));
+  }
+  if (can.slcan.starts_with("/"))
+    out += fmt::format("              slcan {}\n              slcand -o {} slcan0\n", can.slcan, can.slcan);
+  else if (!can.slcan.empty())
+    python("slcan " + can.slcan,
+           fmt::format("interface='slcan',channel='socket://{}',bitrate={}", can.slcan, can.bitrate));
+  if (!can.udp_multicast.empty())
+    python("udp_multicast " + can.udp_multicast,
+           fmt::format("interface='udp_multicast',channel='{}'", can.udp_multicast));
+  const std::uint32_t own = d.board->can_channel()->bit_rate();
+  if (own != 0 && own != can.bitrate)
+    out += fmt::format("              the board is set to {} kbit/s and cannot communicate\n", kilobit(own));
+  return out;
+}
+
 template <class T>
 T opened(Result<T, std::string> result) {
   if (!result) throw std::runtime_error(result.error());
@@ -70,6 +107,7 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
       }));
   open_tcp(options);
   open_serial(runtime);
+  can_ = std::make_unique<LiveCan>(loop_, *plant_, runtime, start_unix_ns());
   plant_->start();
   schedule_housekeeping();
 }
@@ -79,11 +117,15 @@ LivePlant::~LivePlant() {
     if (id != 0) loop_.scheduler().cancel(id);
 }
 
+// What simulated zero is, in nanoseconds since 1970.
+std::int64_t LivePlant::start_unix_ns() const {
+  const auto unix_now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(unix_now).count() - to_ns(loop_.now());
+}
+
 void LivePlant::open_tcp(const LiveOptions& options) {
   if (!options.record_ip.empty()) {
-    const auto unix_now = std::chrono::system_clock::now().time_since_epoch();
-    recorder_ = opened(transports::IpRecorder::open(
-        options.record_ip, std::chrono::duration_cast<std::chrono::nanoseconds>(unix_now).count()));
+    recorder_ = opened(transports::IpRecorder::open(options.record_ip, start_unix_ns()));
   }
   for (std::size_t i = 0; i < plant_->file().tcp.size(); ++i) {
     const bool used = std::any_of(plant_->drives().begin(), plant_->drives().end(),
@@ -194,11 +236,9 @@ std::string LivePlant::table() const {
     out += fmt::format("{}  {} {}, motor {}\n", d->spec.name, d->inverter->family(), d->inverter->model(),
                        d->spec.motor.value.name);
     if (d->tcp) {
-      const bool is_v6 = d->tcp->host.find(':') != std::string::npos;
       out += fmt::format(
-          "  Modbus/TCP  {}:{} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
-          is_v6 ? "[" + d->tcp->host + "]" : d->tcp->host, d->tcp->port, d->unit(), d->tcp->port, d->unit(),
-          d->tcp->host);
+          "  Modbus/TCP  {} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
+          host_port(d->tcp->host, d->tcp->port), d->unit(), d->tcp->port, d->unit(), d->tcp->host);
     }
     if (d->serial) {
       const auto line = d->board->serial_channel()->line_settings();
@@ -209,6 +249,7 @@ std::string LivePlant::table() const {
           "1 -t 4 -1 {}\n",
           d->serial->path, d->unit(), line.baud, parity, line.baud, parity, d->unit(), d->serial->path);
     }
+    if (d->can) out += can_table(*d);
     if (!d->board) out += "  no option board\n";
   }
   return out;

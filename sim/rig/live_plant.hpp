@@ -2,6 +2,7 @@
 // open.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "sim/rig/control_session.hpp"
 #include "sim/rig/eeprom_store.hpp"
+#include "sim/rig/live_can.hpp"
 #include "sim/rig/plant.hpp"
 #include "sim/transports/event_loop.hpp"
 #include "sim/transports/ip_recorder.hpp"
@@ -49,6 +51,7 @@ class LivePlant {
   const std::string& state_folder() const { return store_->folder(); }
 
  private:
+  std::int64_t start_unix_ns() const;
   void open_tcp(const LiveOptions& options);
   void open_serial(const std::string& runtime_folder);
   void open_line(std::size_t index, const std::string& runtime_folder);
@@ -62,6 +65,7 @@ class LivePlant {
   std::unique_ptr<ControlServer> control_;
   std::unique_ptr<transports::UnixSocketListener> control_listener_;
   std::vector<std::unique_ptr<transports::TcpListener>> tcp_;
+  std::unique_ptr<LiveCan> can_;
   kernel::EventId housekeeping_ = 0;
   kernel::EventId ready_check_ = 0;
 };

@@ -14,18 +14,28 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
       lines_(file_.serial.size()),
       drives_on_line_(file_.serial.size()) {
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
+  for (const CanNetwork& net : file_.can) buses_.push_back(std::make_unique<CanLine>(scheduler_, net));
   for (const DriveSpec& spec : file_.drives) {
     drives_.push_back(build(spec, options));
-    DriveUnit& d = *drives_.back();
-    if (!d.board) continue;
-    boards::SerialChannel* channel = d.board->serial_channel();
-    modbus::Unit* unit = d.board->modbus_unit();
-    if (spec.board->serial && channel != nullptr) {
-      lines_[*spec.board->serial].add(*channel);
-      drives_on_line_[*spec.board->serial].push_back(&d);
-    }
-    if (spec.board->tcp && unit != nullptr) ports_[*spec.board->tcp]->add(*unit);
+    if (drives_.back()->board) wire(*drives_.back());
   }
+}
+
+// The board is fitted.
+void Plant::wire(DriveUnit& d) {
+  const BoardSpec& spec = *d.spec.board;
+  boards::SerialChannel* serial = d.board->serial_channel();
+  modbus::Unit* unit = d.board->modbus_unit();
+  boards::CanChannel* can = d.board->can_channel();
+  if (spec.serial && serial != nullptr) {
+    lines_[*spec.serial].add(*serial);
+    drives_on_line_[*spec.serial].push_back(&d);
+  }
+  if (spec.tcp && unit != nullptr) ports_[*spec.tcp]->add(*unit);
+  if (spec.can && can == nullptr && spec.can_at.line > 0)
+    refuse(spec.can_at, d.spec.name, "board " + spec.type.value + " has no CAN; leave network out, or write none");
+  if (spec.can && can != nullptr)
+    d.controller = buses_[*spec.can]->add(now(), *can, d.spec.name, [this, &d](Instant at) { settle(at, d); });
 }
 
 Plant::~Plant() {
@@ -65,6 +75,10 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   if (spec.board)
     if (const std::string_view parameter = node_parameter(spec.board->type.value); !parameter.empty())
       config.factory_values.emplace_back(parameter, spec.board->node.value);
+  // So do the bus's bit rate and its parameter.
+  if (spec.board && spec.board->can)
+    if (const auto rate = can_bitrate_value(spec.board->type.value, file_.can[*spec.board->can].bitrate))
+      config.factory_values.emplace_back(rate->parameter, rate->value);
   auto made = options.catalogue.make_inverter(spec.family, config);
   if (!made) refuse(spec.model.at, spec.name, made.error());
   d->inverter = std::move(made).value();
@@ -134,6 +148,10 @@ void Plant::accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports
   ports_[port]->accept(now, std::move(stream));
 }
 
+CanLine* Plant::can_line_of(const DriveUnit& drive) {
+  return drive.controller ? buses_[*drive.spec.board->can].get() : nullptr;
+}
+
 void Plant::set_power(DriveUnit& drive, bool on) {
   drive.inverter->set_power(on);
   follow_power(now(), drive);
@@ -166,6 +184,7 @@ void Plant::settle(Instant now, DriveUnit& d) {
     while (const auto frame = channel->poll_transmit(now)) line.send(now, *frame);
     line.follow_settings();
   }
+  if (d.controller) buses_[*d.spec.board->can]->settle(now, *d.controller);
   const auto deadline = d.board->next_deadline();
   if (deadline == d.board_deadline) return;
   if (d.board_event != 0) scheduler_.cancel(d.board_event);

@@ -14,6 +14,7 @@
 
 #include "sim/kernel/scheduler.hpp"
 #include "sim/rig/board_line.hpp"
+#include "sim/rig/can_line.hpp"
 #include "sim/rig/catalogue.hpp"
 #include "sim/rig/drive_unit.hpp"
 #include "sim/rig/plant_file.hpp"
@@ -53,6 +54,9 @@ class Plant {
   // Wires, by their index in the plant file.
   void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
+  CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
+  // The bus that the drive's board hangs on; nullptr if none.
+  CanLine* can_line_of(const DriveUnit& drive);
 
   // The drive's own breaker; its board follows.
   void set_power(DriveUnit& drive, bool on);
@@ -67,6 +71,7 @@ class Plant {
   [[noreturn]] void refuse(Position at, const std::string& drive, const std::string& message) const;
   void first_parameters(DriveUnit& drive);
   void inputs(DriveUnit& drive);
+  void wire(DriveUnit& drive);
   void tick(Instant now);
   void settle(Instant now, DriveUnit& drive);
   void follow_power(Instant now, DriveUnit& drive);
@@ -78,6 +83,7 @@ class Plant {
   std::vector<BoardLine> lines_;
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;
+  std::vector<std::unique_ptr<CanLine>> buses_;
   kernel::EventId tick_event_ = 0;
   std::uint64_t ticks_ = 0;
 };

@@ -10,8 +10,9 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <set>
 
+#include "sim/rig/network_reader.hpp"
+#include "sim/rig/node_plan.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/rig/yaml_map.hpp"
 
@@ -41,40 +42,6 @@ std::string stem(const std::string& path) {
   for (char& c : s)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
   return is_plant_word(s) ? s : "plant";
-}
-
-// "127.0.0.1:1502", "[::1]:0", "localhost:1502".
-std::optional<TcpNetwork> parse_host_port(std::string_view text) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos) return {};
-  std::string_view host = text.substr(0, colon);
-  const std::string_view port = text.substr(colon + 1);
-  double number = 0;
-  if (!parse_number(port, number) || number < 0 || number > 65535 || port.find('.') != std::string_view::npos)
-    return {};
-  TcpNetwork net;
-  net.port = static_cast<std::uint16_t>(number);
-  if (host == "localhost") host = "127.0.0.1";
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
-    host = host.substr(1, host.size() - 2);
-    if (host.find_first_not_of("0123456789abcdefABCDEF:.") != std::string_view::npos ||
-        host.find(':') == std::string_view::npos)
-      return {};
-  } else {
-    int parts = 0;
-    for (std::size_t at = 0; at <= host.size(); ++parts) {
-      const std::size_t dot = std::min(host.find('.', at), host.size());
-      const std::string_view octet = host.substr(at, dot - at);
-      double value = 0;
-      if (octet.empty() || octet.size() > 3 || octet.find_first_not_of("0123456789") != std::string_view::npos ||
-          !parse_number(octet, value) || value > 255)
-        return {};
-      at = dot + 1;
-    }
-    if (parts != 4) return {};
-  }
-  net.host = host;
-  return net;
 }
 
 class Loader {
@@ -132,7 +99,7 @@ class Loader {
       else
         bad_word(*map.find("name"), "name of the plant", *name);
     }
-    if (const YAML::Node* node = map.find("networks")) networks(*node);
+    if (const YAML::Node* node = map.find("networks")) networks_.read(*node);
     const YAML::Node* drives = map.find("drives");
     if (drives == nullptr) {
       if (std::none_of(map.entries().begin(), map.entries().end(), [](const auto& e) { return e.key == "drives"; }))
@@ -147,78 +114,12 @@ class Loader {
       return;
     }
     for (const auto& node : *drives) drive(node);
-    nodes();
+    networks_.check();
+    assign_nodes(file_, problems_);
   }
 
   void bad_word(const YAML::Node& node, const std::string& what, const std::string& word) {
     problems_.add(node, what + " is \"" + word + "\"; allowed: a letter, then letters, digits, _ and -, 64 in all.");
-  }
-
-  // --- networks ---
-
-  struct NamedNetwork {
-    std::string name;
-    bool serial = false;
-    std::size_t index = 0;
-  };
-
-  void networks(const YAML::Node& node) {
-    const YamlMap map(node, "networks", nullptr, problems_);
-    for (const auto& entry : map.entries()) {
-      if (!is_plant_word(entry.key)) {
-        problems_.add(entry.at, "name of a network is \"" + entry.key +
-                                    "\"; allowed: a letter, then letters, digits, _ and -, 64 in all.");
-        continue;
-      }
-      if (entry.empty) continue;
-      const YamlMap net(entry.value, "network " + entry.key, &keys("networks.*"), problems_);
-      if (!net) continue;
-      if (net.has("serial") == net.has("modbus_tcp")) {
-        problems_.add(entry.at, "network " + entry.key + (net.has("serial") ? " has both kinds" : " has no kind") +
-                                    "; allowed: one of serial (pty or a device) and modbus_tcp (host:port).");
-        continue;
-      }
-      if (const auto device = net.text("serial")) {
-        if (*device == "pty" || device->starts_with("/dev/")) {
-          named_.push_back({entry.key, true, file_.serial.size()});
-          file_.serial.push_back({entry.key, *device, position_of(*net.find("serial"))});
-        } else {
-          problems_.add(*net.find("serial"), "serial in network " + entry.key + " is \"" + *device +
-                                                 "\"; allowed: pty, or a device as /dev/ttyUSB0.");
-        }
-      }
-      if (const auto address = net.text("modbus_tcp")) {
-        if (const auto tcp = tcp_address(*net.find("modbus_tcp"), "modbus_tcp in network " + entry.key, *address)) {
-          named_.push_back({entry.key, false, file_.tcp.size()});
-          file_.tcp.push_back(*tcp);
-        }
-      }
-    }
-  }
-
-  std::optional<TcpNetwork> tcp_address(const YAML::Node& node, const std::string& what, const std::string& text) {
-    auto tcp = parse_host_port(text);
-    if (!tcp) {
-      problems_.add(node,
-                    what + " is \"" + text +
-                        "\"; allowed: address:port, as 127.0.0.1:1502, [::1]:1502 or 0.0.0.0:502; port 0 to 65535, "
-                        "0 picks a free one.");
-      return {};
-    }
-    tcp->at = position_of(node);
-    return tcp;
-  }
-
-  std::vector<std::string_view> network_names(bool serial) const {
-    std::vector<std::string_view> out;
-    for (const NamedNetwork& n : named_)
-      if (n.serial == serial) out.push_back(n.name);
-    return out;
-  }
-
-  const NamedNetwork* network(std::string_view name) const {
-    const auto it = std::find_if(named_.begin(), named_.end(), [&](const NamedNetwork& n) { return n.name == name; });
-    return it == named_.end() ? nullptr : &*it;
   }
 
   // --- drives ---
@@ -446,7 +347,9 @@ class Loader {
     std::string rtu = "pty";
     std::string tcp{kDefaultTcp};
     const YAML::Node* rtu_node = nullptr;
+    std::string can{kDefaultCanName};
     const YAML::Node* tcp_node = nullptr;
+    const YAML::Node* can_node = nullptr;
     std::optional<YamlMap> m;
     if (const YAML::Node* node = map.find("board")) {
       if (node->IsScalar() && node->Scalar() == "none") return;
@@ -468,90 +371,14 @@ class Loader {
       }
       if (const auto v = m->text("modbus_rtu")) rtu = *v, rtu_node = m->find("modbus_rtu");
       if (const auto v = m->text("modbus_tcp")) tcp = *v, tcp_node = m->find("modbus_tcp");
+      if (const auto v = m->text("network")) can = *v, can_node = m->find("network");
     }
     if (b.type.value.empty()) return;
-    b.serial = serial_line(rtu, rtu_node, d);
-    b.tcp = tcp_endpoint(tcp, tcp_node, d);
+    b.serial = networks_.serial_line(rtu, rtu_node, d);
+    b.tcp = networks_.tcp_port(tcp, tcp_node, d);
+    b.can = networks_.can_bus(can, can_node, d);
+    if (can_node != nullptr) b.can_at = position_of(*can_node);
     d.board = b;
-  }
-
-  std::optional<std::size_t> serial_line(const std::string& text, const YAML::Node* node, const DriveSpec& d) {
-    if (text == "none") return {};
-    const Position at = node == nullptr ? d.at : position_of(*node);
-    if (text == "pty") {
-      file_.serial.push_back({d.name, "pty", at});
-      return file_.serial.size() - 1;
-    }
-    if (text.starts_with("/dev/")) {
-      for (std::size_t i = 0; i < file_.serial.size(); ++i)
-        if (file_.serial[i].device == text) return i;
-      file_.serial.push_back({d.name, text, at});
-      return file_.serial.size() - 1;
-    }
-    const NamedNetwork* named = network(text);
-    if (named != nullptr && named->serial) return named->index;
-    auto allowed = network_names(true);
-    allowed.insert(allowed.end(), {"pty", "none"});
-    problems_.add(at, "modbus_rtu of " + d.name + " is \"" + text + "\"" +
-                          (named != nullptr ? ", which is no serial network" : "") +
-                          "; allowed: a device as /dev/ttyUSB0, " + join(allowed) + "." + suggestion(text, allowed));
-    return {};
-  }
-
-  std::optional<std::size_t> tcp_endpoint(const std::string& text, const YAML::Node* node, const DriveSpec& d) {
-    if (text == "none") return {};
-    if (const NamedNetwork* named = network(text)) {
-      if (!named->serial) return named->index;
-      problems_.add(*node, "modbus_tcp of " + d.name + " is \"" + text + "\", which is a serial network; allowed: " +
-                               "address:port, none, or a modbus_tcp network.");
-      return {};
-    }
-    auto tcp = parse_host_port(text);
-    if (!tcp) {
-      auto allowed = network_names(false);
-      allowed.push_back("none");
-      problems_.add(*node, "modbus_tcp of " + d.name + " is \"" + text +
-                               "\"; allowed: address:port (127.0.0.1:1502; port 0 to 65535, 0 picks a free one), " +
-                               join(allowed) + "." + suggestion(text, allowed));
-      return {};
-    }
-    tcp->at = node == nullptr ? d.at : position_of(*node);
-    // One address is one port for all who name it; port 0 written out is a port of the drive's own.
-    if (tcp->port != 0) {
-      for (std::size_t i = 0; i < file_.tcp.size(); ++i)
-        if (file_.tcp[i].host == tcp->host && file_.tcp[i].port == tcp->port) return i;
-    }
-    file_.tcp.push_back(*tcp);
-    return file_.tcp.size() - 1;
-  }
-
-  // Boards without a node get the lowest free ones in order; two boards of one wire may not share a node.
-  void nodes() {
-    std::set<unsigned> used;
-    for (const DriveSpec& d : file_.drives)
-      if (d.board && d.board->node.value != 0) used.insert(d.board->node.value);
-    unsigned next = 1;
-    for (DriveSpec& d : file_.drives) {
-      if (!d.board || d.board->node.value != 0) continue;
-      while (used.count(next) > 0) ++next;
-      d.board->node.value = next;
-      used.insert(next);
-    }
-    for (std::size_t i = 0; i < file_.drives.size(); ++i) {
-      const auto& b = file_.drives[i].board;
-      if (!b) continue;
-      for (std::size_t j = 0; j < i; ++j) {
-        const auto& o = file_.drives[j].board;
-        if (!o || o->node.value != b->node.value) continue;
-        const bool line = b->serial && b->serial == o->serial;
-        const bool port = b->tcp && b->tcp == o->tcp;
-        if (!line && !port) continue;
-        problems_.add(b->node.at, "node " + std::to_string(b->node.value) + " of " + file_.drives[i].name +
-                                      " is taken by " + file_.drives[j].name + " on the same " +
-                                      (line ? "serial line" : "Modbus/TCP port") +
-                                      "; allowed: another node, or a wire of its own.");
-      }
-    }
   }
 
   // --- inputs and parameters ---
@@ -588,7 +415,7 @@ class Loader {
   const Catalogue& catalogue_;
   PlantFile file_;
   Problems problems_;
-  std::vector<NamedNetwork> named_;
+  NetworkReader networks_{file_, problems_};
 };
 
 }  // namespace
@@ -605,7 +432,7 @@ bool is_plant_word(std::string_view word) {
 const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
   static const std::map<std::string, Keys> all{
       {"", {"name", "networks", "drives"}},
-      {"networks.*", {"serial", "modbus_tcp"}},
+      {"networks.*", {"serial", "modbus_tcp", "can", "bitrate", "socketcand", "slcan", "channel"}},
       {"drives[]",
        {"name", "inverter", "motor", "load", "mains", "losses", "brake_resistor_ohm", "ambient_C", "solver", "power",
         "board", "terminals", "analog", "parameters"}},
@@ -619,7 +446,7 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
       {"drives[].load.friction", {"viscous_Nm_s", "coulomb_Nm"}},
       {"drives[].mains", {"voltage_V", "source_resistance_ohm"}},
       {"drives[].losses", {"iron_W_at_rated", "inverter_fraction", "standby_W"}},
-      {"drives[].board", {"type", "node", "modbus_rtu", "modbus_tcp"}},
+      {"drives[].board", {"type", "node", "modbus_rtu", "modbus_tcp", "network"}},
   };
   return all;
 }

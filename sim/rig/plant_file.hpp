@@ -14,14 +14,9 @@
 
 #include "motor_model/plant/power_plant.hpp"
 #include "sim/rig/catalogue.hpp"
+#include "sim/rig/networks.hpp"
 
 namespace vinv::rig {
-
-// 1-based; line 0: the file as a whole.
-struct Position {
-  int line = 0;
-  int column = 0;
-};
 
 template <class T>
 struct Located {
@@ -45,23 +40,13 @@ class PlantFileError : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-struct SerialNetwork {
-  std::string name;    // a network's name, or the drive's for a line of its own
-  std::string device;  // "pty" or "/dev/tty..."
-  Position at;
-};
-
-struct TcpNetwork {
-  std::string host = "127.0.0.1";  // an address, never a name
-  std::uint16_t port = 1502;       // 0: any free port
-  Position at;
-};
-
 struct BoardSpec {
   Located<std::string> type;
   Located<unsigned> node;
   std::optional<std::size_t> serial;  // index into PlantFile::serial
   std::optional<std::size_t> tcp;     // index into PlantFile::tcp
+  std::optional<std::size_t> can;     // index into PlantFile::can
+  Position can_at;                    // where `network` stands; line 0: it is the default
 };
 
 struct FrictionSpec {
@@ -101,6 +86,7 @@ struct PlantFile {
   std::string name;  // of the plant: `name:`, or the file's name without folder and ending
   std::vector<SerialNetwork> serial;
   std::vector<TcpNetwork> tcp;
+  std::vector<CanNetwork> can;
   std::vector<DriveSpec> drives;
 };
 

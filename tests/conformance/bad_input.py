@@ -14,6 +14,8 @@ from story import NET, answered, parameter
 
 DRIVE = """
 name: bad
+networks:
+  can0: {can: virtual, socketcand: "127.0.0.1:0"}
 drives:
   - name: mill
     board: {node: 5, modbus_rtu: none, modbus_tcp: "127.0.0.1:PORT"}

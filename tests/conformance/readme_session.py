@@ -25,7 +25,7 @@ def main():
     script = "\n".join(line[2:] for line in session.splitlines() if line.startswith("$ "))
     shown = NUMBER.findall(session)
     assert shown, "the session shows no number"
-    demo = re.sub(r"(127\.0\.0\.1):1502", r"\1:0", read("scenarios/plants/demo.yaml"))
+    demo = re.sub(r"(127\.0\.0\.1):(1502|29536)", r"\1:0", read("scenarios/plants/demo.yaml"))
     with Plant(demo) as plant:
         endpoint = plant.ready["drives"][0]["endpoints"][0]
         assert endpoint["protocol"] == "modbus-tcp" and f"-p 1502 -a {endpoint['unit']} " in script, endpoint

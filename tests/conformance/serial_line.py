@@ -9,6 +9,7 @@ from story import COMMAND, FORWARD, FREQUENCY, NET, RUN_BIT, STATUS, STOP, expec
 PLANT = """
 name: line
 networks:
+  can0: {can: virtual, socketcand: "127.0.0.1:0"}
   field: {serial: pty}
 drives:
   - name: left

@@ -6,6 +6,7 @@ from story import COMMAND, FORWARD, FREQUENCY, NET, OUTPUT_FREQUENCY, STATUS, ST
 PLANT = """
 name: shared
 networks:
+  can0: {can: virtual, socketcand: "127.0.0.1:0"}
   office: {modbus_tcp: "127.0.0.1:0"}
 drives:
   - {name: a, board: {node: 1, modbus_rtu: none, modbus_tcp: office}}

@@ -14,6 +14,8 @@ from recording import check_recording
 
 PLANT = """
 name: story
+networks:
+  can0: {can: virtual, socketcand: "127.0.0.1:0"}
 drives:
   - name: mill
     inverter: {family: fr-e500, model: FR-E540-1.5K}

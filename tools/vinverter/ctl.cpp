@@ -65,13 +65,14 @@ void print_status(const Json& s) {
   fmt::print("\n");
 }
 
+// modbus-tcp  host 127.0.0.1  port 1502  unit 5
 void print_endpoints(const Json& endpoints) {
-  for (const auto& e : endpoints)
-    if (e.contains("port"))
-      fmt::print("  {}  {}:{} unit {}\n", text_of(e["protocol"]), text_of(e["host"]), e["port"].get<unsigned>(),
-                 e["unit"].get<unsigned>());
-    else
-      fmt::print("  {}  {} unit {}\n", text_of(e["protocol"]), text_of(e["path"]), e["unit"].get<unsigned>());
+  for (const auto& e : endpoints) {
+    fmt::print("  {}", text_of(e["protocol"]));
+    for (const auto& [key, value] : e.items())
+      if (key != "protocol") fmt::print("  {} {}", key, text_of(value));
+    fmt::print("\n");
+  }
 }
 
 void print_result(const std::string& command, const Json& result) {

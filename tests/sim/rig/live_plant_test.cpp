@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPlant =
-    "networks: { plc: { modbus_tcp: 127.0.0.1:0 } }\n"
+    "networks: { plc: { modbus_tcp: 127.0.0.1:0 }, can0: { can: virtual, socketcand: 127.0.0.1:0 } }\n"
     "drives:\n"
     "  - name: a\n    board: { node: 5, modbus_tcp: plc }\n    parameters: { Pr.7: 2.5 }\n"
     "  - name: b\n    board: { node: 6, modbus_tcp: plc, modbus_rtu: none }\n";
@@ -96,15 +96,20 @@ class LivePlantTest : public testing::Test {
 TEST_F(LivePlantTest, TheReadyTextNamesEveryEndpointAndTheyAnswer) {
   serve(kPlant, [&](LivePlant&, const Json& ready) {
     const std::uint16_t port = ready["drives"][0]["endpoints"][0]["port"];
+    const std::string socketcand = ready["drives"][1]["endpoints"].back()["socketcand"].dump();
     EXPECT_GT(port, 0);
     EXPECT_EQ(ready["drives"].dump(), Json::parse(R"([{"name":"a","family":"fr-e500","board":"oi-fr-e5nco","endpoints":[
                   {"protocol":"modbus-tcp","host":"127.0.0.1","port":)" +
                                                   std::to_string(port) + R"(,"unit":5},
                   {"protocol":"modbus-rtu","path":")" +
-                                                  folder_ + R"(/run/a.tty","unit":5}]},
+                                                  folder_ + R"(/run/a.tty","unit":5},
+                  {"protocol":"canopen","node":5,"bitrate":125000,"socketcand":)" +
+                                                  socketcand + R"(,"channel":"can0"}]},
                 {"name":"b","family":"fr-e500","board":"oi-fr-e5nco","endpoints":[
                   {"protocol":"modbus-tcp","host":"127.0.0.1","port":)" +
-                                                  std::to_string(port) + R"(,"unit":6}]}])")
+                                                  std::to_string(port) + R"(,"unit":6},
+                  {"protocol":"canopen","node":6,"bitrate":125000,"socketcand":)" +
+                                                  socketcand + R"(,"channel":"can0"}]}])")
                                           .dump());
     EXPECT_TRUE(fs::is_symlink(folder_ + "/run/a.tty"));
     // Pr.7 of unit 5: 2.5 s.
@@ -133,7 +138,7 @@ TEST_F(LivePlantTest, TheAnswerToTheLongestBatchArrivesWhole) {
 }
 
 TEST_F(LivePlantTest, AnIpv6AddressStandsInBracketsBeforeItsPort) {
-  serve("drives:\n  - board: { node: 5, modbus_rtu: none, modbus_tcp: \"[::1]:0\" }\n",
+  serve("drives:\n  - board: { node: 5, modbus_rtu: none, modbus_tcp: \"[::1]:0\", network: none }\n",
         [&](LivePlant& live, const Json& ready) {
           const std::string port = std::to_string(ready["drives"][0]["endpoints"][0]["port"].get<int>());
           EXPECT_NE(live.table().find("[::1]:" + port + " unit 5"), std::string::npos) << live.table();
@@ -197,7 +202,7 @@ TEST_F(LivePlantTest, APortInUseIsTold) {
     const std::string port = std::to_string(ready["drives"][0]["endpoints"][0]["port"].get<int>());
     try {
       const LivePlant second(
-          loop, parse_plant_file("drives:\n  - board: { modbus_tcp: 127.0.0.1:" + port + " }\n", "p.yaml", catalogue),
+          loop, parse_plant_file("drives:\n  - board: { modbus_tcp: 127.0.0.1:" + port + ", network: none }\n", "p.yaml", catalogue),
           catalogue, other, [](const std::string&) {});
       ADD_FAILURE();
     } catch (const std::runtime_error& e) {

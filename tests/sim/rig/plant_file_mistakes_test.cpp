@@ -15,6 +15,10 @@ struct Mistake {
   const char* expected;  // the whole message
 };
 
+#define CAN_WAYS                                                                                             \
+  "virtual, socketcan:INTERFACE, socketcand:ADDRESS:PORT/CHANNEL, slcan:ADDRESS:PORT, slcan:/dev/ttyACM0, " \
+  "udp_multicast, udp_multicast:GROUP"
+
 const Mistake kMistakes[] = {
     {"EmptyFile", "", "p.yaml:1:1: the file is empty; a plant needs at least \"drives:\" with one drive."},
     {"OnlyAComment", "# nothing\n",
@@ -109,6 +113,53 @@ const Mistake kMistakes[] = {
      "  - board: { node: 3, modbus_rtu: bus, modbus_tcp: none }\n",
      "p.yaml:4:20: node 3 of drive_2 is taken by drive_1 on the same serial line; allowed: another node, or a wire of "
      "its own."},
+    {"UnknownCanBus", "networks:\n  line: { can: virtal }\ndrives: [{}]\n",
+     "p.yaml:2:16: can in network line is \"virtal\"; allowed: " CAN_WAYS ". Did you mean \"virtual\"?"},
+    {"SocketcandWithoutChannel", "networks:\n  line: { can: \"socketcand:127.0.0.1:29536\" }\ndrives: [{}]\n",
+     "p.yaml:2:16: can in network line is \"socketcand:127.0.0.1:29536\"; allowed: " CAN_WAYS "."},
+    {"SlcanWithoutPort", "networks:\n  line: { can: \"slcan:127.0.0.1\" }\ndrives: [{}]\n",
+     "p.yaml:2:16: can in network line is \"slcan:127.0.0.1\"; allowed: " CAN_WAYS "."},
+    {"InterfaceNameTooLong", "networks:\n  line: { can: \"socketcan:an_interface_of_18\" }\ndrives: [{}]\n",
+     "p.yaml:2:16: can in network line is \"socketcan:an_interface_of_18\"; allowed: " CAN_WAYS "."},
+    {"BitRateOfNoBus", "networks:\n  line: { can: virtual, bitrate: 800k }\ndrives: [{}]\n",
+     "p.yaml:2:34: bitrate in network line is \"800k\"; allowed: 20k, 50k, 62.5k, 100k, 125k, 250k, 500k, 1M."},
+    {"BitRateOfASerialLine", "networks:\n  line: { serial: pty, bitrate: 125k }\ndrives: [{}]\n",
+     "p.yaml:2:24: bitrate in network line belongs to a can network only."},
+    {"SocketcandIsNoAddress", "networks:\n  line: { can: virtual, socketcand: 29536 }\ndrives: [{}]\n",
+     "p.yaml:2:37: socketcand in network line is \"29536\"; allowed: address:port, as 127.0.0.1:29536, [::1]:29536 or "
+     "0.0.0.0:29536; port 0 to 65535, 0 picks a free one."},
+    {"ChannelTooLong", "networks:\n  line_of_sixteen_: { can: virtual }\ndrives: [{}]\n",
+     "p.yaml:2:28: channel of network line_of_sixteen_ is \"line_of_sixteen_\"; allowed: a letter, then letters, digits, "
+     "_ and -, 15 in all, as socketcand clients open it."},
+    {"ChannelTaken", "networks:\n  a: { can: virtual, channel: x }\n  b: { can: virtual, channel: x }\ndrives: [{}]\n",
+     "p.yaml:3:13: network b has the socketcand channel \"x\" of network a at 127.0.0.1:29536; allowed: another channel, "
+     "or another address."},
+    {"SlcanTaken",
+     "networks:\n  a: { can: virtual, slcan: \"127.0.0.1:3333\" }\n  b: { can: virtual, slcan: \"127.0.0.1:3333\" }\n"
+     "drives: [{}]\n",
+     "p.yaml:3:29: slcan in network b is \"127.0.0.1:3333\", which network a has; allowed: an address for each bus."},
+    {"UnknownCanNetwork", "networks: { hall: { can: virtual } }\ndrives:\n  - board: { network: hal }\n",
+     "p.yaml:3:23: network of drive_1 is \"hal\"; allowed: hall, can0, none, or a bus elsewhere, as socketcan:vcan0. Did "
+     "you mean \"hall\"?"},
+    {"VirtualBusWithoutAName", "drives:\n  - board: { network: virtual }\n",
+     "p.yaml:2:23: network of drive_1 is \"virtual\"; allowed: can0, none, or a bus elsewhere, as socketcan:vcan0."},
+    {"SerialLineForCan", "networks: { hall: { serial: pty } }\ndrives:\n  - board: { network: hall }\n",
+     "p.yaml:3:23: network of drive_1 is \"hall\", which is a serial network; allowed: none, or a can network."},
+    {"NodeTakenOnTheBus",
+     "drives:\n  - board: { node: 3, modbus_tcp: none, modbus_rtu: none }\n"
+     "  - board: { node: 3, modbus_tcp: none, modbus_rtu: none }\n",
+     "p.yaml:3:20: node 3 of drive_2 is taken by drive_1 on the same CAN bus; allowed: another node, or a wire of its "
+     "own."},
+    {"NodeTakenOnAKernelBus",
+     "networks: { line: { can: \"socketcan:vcan0\" } }\ndrives:\n"
+     "  - board: { node: 3, modbus_tcp: none, network: line }\n"
+     "  - board: { node: 3, modbus_tcp: none, network: \"socketcan:vcan0\" }\n",
+     "p.yaml:4:20: node 3 of drive_2 is taken by drive_1 on the same CAN bus; allowed: another node, or a wire of its "
+     "own."},
+    {"NodeTakenByAParameter",
+     "drives:\n  - board: { node: 3 }\n  - board: { node: 4 }\n    parameters: { Pr.345: 3 }\n",
+     "p.yaml:4:27: node 3 of drive_2 (Pr.345) is taken by drive_1 on the same Modbus/TCP port; allowed: another node, or "
+     "a wire of its own."},
     {"UnknownSerialLine", "networks: { hall: { serial: pty } }\ndrives:\n  - board: { modbus_rtu: hal }\n",
      "p.yaml:3:26: modbus_rtu of drive_1 is \"hal\"; allowed: a device as /dev/ttyUSB0, hall, pty, none. Did you mean "
      "\"hall\"?"},
@@ -123,9 +174,11 @@ const Mistake kMistakes[] = {
     {"OctetTooHigh", "drives:\n  - board: { modbus_tcp: 127.0.0.256:502 }\n",
      "p.yaml:2:26: modbus_tcp of drive_1 is \"127.0.0.256:502\"; allowed: "},
     {"NetworkWithoutKind", "networks:\n  hall: {}\ndrives: [{}]\n",
-     "p.yaml:2:3: network hall has no kind; allowed: one of serial (pty or a device) and modbus_tcp (host:port)."},
+     "p.yaml:2:3: network hall has no kind; allowed: one of serial (pty or a device), modbus_tcp (address:port) and can (" CAN_WAYS
+     ")."},
     {"NetworkWithBothKinds", "networks:\n  hall: { serial: pty, modbus_tcp: 127.0.0.1:0 }\ndrives: [{}]\n",
-     "p.yaml:2:3: network hall has both kinds; allowed: one of serial (pty or a device) and modbus_tcp (host:port)."},
+     "p.yaml:2:3: network hall has several kinds; allowed: one of serial (pty or a device), modbus_tcp (address:port) and can ("
+     CAN_WAYS ")."},
     {"NetworkDeviceIsNoDevice", "networks:\n  hall: { serial: COM1 }\ndrives: [{}]\n",
      "p.yaml:2:19: serial in network hall is \"COM1\"; allowed: pty, or a device as /dev/ttyUSB0."},
     {"TerminalIsANumber", "drives:\n  - terminals: { STF: 1 }\n",

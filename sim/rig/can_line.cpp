@@ -1,0 +1,92 @@
+#include "sim/rig/can_line.hpp"
+
+#include <utility>
+
+#include "sim/base/check.hpp"
+
+namespace vinv::rig {
+namespace {
+
+using transports::CanBusOptions;
+using transports::CanState;
+
+CanBusOptions bus_options(const CanNetwork& network) {
+  CanBusOptions options;
+  options.name = network.name;
+  options.bitrate = network.bitrate;
+  options.timing =
+      network.kind == CanNetwork::Kind::kVirtual ? CanBusOptions::Timing::kExact : CanBusOptions::Timing::kNone;
+  return options;
+}
+
+}  // namespace
+
+CanLine::CanLine(kernel::Scheduler& scheduler, const CanNetwork& network) : bus_(scheduler, bus_options(network)) {}
+
+std::size_t CanLine::add(Instant now, boards::CanChannel& channel, const std::string& name, OnTraffic on_traffic) {
+  auto made = std::make_unique<Controller>();
+  Controller* const c = made.get();
+  c->channel = &channel;
+  c->on_traffic = std::move(on_traffic);
+  transports::CanNodeOptions options;
+  options.name = name;
+  options.online = false;
+  options.queue_frames = kBoardBuffers;
+  c->node = bus_.attach(now, std::move(options));
+  transports::CanHandlers handlers;
+  handlers.on_frame = [c](Instant at, const CanFrame& frame) {
+    c->channel->handle_frame(at, frame);
+    c->on_traffic(at);
+  };
+  handlers.on_sent = [c](Instant at, const CanFrame&) { c->on_traffic(at); };
+  handlers.on_state = [this, c](Instant at, const transports::CanStatus&) { follow_state(at, *c); };
+  c->node->set_handlers(std::move(handlers));
+  controllers_.push_back(std::move(made));
+  return controllers_.size() - 1;
+}
+
+void CanLine::follow_state(Instant now, Controller& c) {
+  const bool outside_off =
+      bridge_ != nullptr && bridge_->outside().status().state == CanState::kBusOff;
+  const bool off = outside_off || c.node->status().state == CanState::kBusOff;
+  if (off == c.bus_off) return;
+  c.bus_off = off;
+  c.channel->set_bus_off(now, off);
+  if (!c.settling) c.on_traffic(now);
+}
+
+void CanLine::settle(Instant now, std::size_t controller) {
+  Controller& c = *controllers_[controller];
+  if (c.settling) return;
+  c.settling = true;
+  const bool outside_up = bridge_ == nullptr || (bridge_->outside().status().state != CanState::kOffline &&
+                                                 bridge_->outside().status().state != CanState::kBusOff);
+  const std::uint32_t wanted = outside_up ? c.channel->bit_rate() : 0;
+  if (wanted != c.bitrate) {
+    c.bitrate = wanted;
+    // The bus takes any rate above 0.
+    if (wanted != 0) VINV_CHECK(c.node->set_bitrate(now, wanted).has_value());
+    c.node->set_online(now, wanted != 0);
+  }
+  while (c.node->queue_room() > 0) {
+    const auto frame = c.channel->poll_transmit(now);
+    if (!frame) break;
+    c.node->send(now, *frame);
+  }
+  c.settling = false;
+}
+
+void CanLine::join(Instant now, std::unique_ptr<transports::CanPort> outside) {
+  bridge_ = std::make_unique<transports::CanBridge>(now, bus_, std::move(outside));
+  bridge_->on_outside_state([this](Instant at) { follow_outside(at); });
+  follow_outside(now);
+}
+
+void CanLine::follow_outside(Instant now) {
+  for (const auto& c : controllers_) {
+    follow_state(now, *c);
+    c->on_traffic(now);
+  }
+}
+
+}  // namespace vinv::rig

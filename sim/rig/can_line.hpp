@@ -1,0 +1,60 @@
+// One CAN bus of a plant with the boards on it. A bus that is elsewhere (a kernel interface, a server) is joined by a
+// bridge: here it is a bus without timing, so that each board has a node, a view and a queue of its own as on ours.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "option_boards/boards/option_board.hpp"
+#include "sim/rig/networks.hpp"
+#include "sim/transports/can/can_bridge.hpp"
+#include "sim/transports/can/can_bus.hpp"
+
+namespace vinv::rig {
+
+class CanLine {
+ public:
+  // Frames of a board that wait in its controller. A slave has few transmit buffers; what waits beyond them waits in
+  // the board, which sends the newest data when its turn comes.
+  static constexpr std::size_t kBoardBuffers = 2;
+
+  // The scheduler outlives the line.
+  CanLine(kernel::Scheduler& scheduler, const CanNetwork& network);
+
+  // A board's controller. Something has gone in or out: the owner then settles the board.
+  using OnTraffic = std::function<void(Instant now)>;
+  // The channel outlives the line. Returns the number of the controller.
+  std::size_t add(Instant now, boards::CanChannel& channel, const std::string& name, OnTraffic on_traffic);
+  // After any handle_ call of the board: takes its controller on or off the bus and sends while there is room.
+  void settle(Instant now, std::size_t controller);
+
+  // Joins the bus that is elsewhere. While that is down the boards are off the bus, and its bus off is theirs.
+  void join(Instant now, std::unique_ptr<transports::CanPort> outside);
+
+  transports::CanBus& bus() { return bus_; }
+  const transports::CanBus& bus() const { return bus_; }
+  transports::CanNode& controller(std::size_t number) { return *controllers_[number]->node; }
+  const transports::CanNode& controller(std::size_t number) const { return *controllers_[number]->node; }
+  // nullptr on a bus of ours.
+  const transports::CanBridge* bridge() const { return bridge_.get(); }
+
+ private:
+  struct Controller {
+    boards::CanChannel* channel = nullptr;
+    std::unique_ptr<transports::CanNode> node;
+    OnTraffic on_traffic;
+    std::uint32_t bitrate = 0;  // as the node has it; 0: off the bus
+    bool settling = false;
+    bool bus_off = false;  // as the board was told
+  };
+
+  void follow_state(Instant now, Controller& controller);
+  void follow_outside(Instant now);
+
+  transports::CanBus bus_;
+  std::vector<std::unique_ptr<Controller>> controllers_;
+  std::unique_ptr<transports::CanBridge> bridge_;
+};
+
+}  // namespace vinv::rig
