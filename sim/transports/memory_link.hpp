@@ -13,10 +13,10 @@ namespace vinv::transports {
 
 struct MemoryLinkOptions {
   Duration delay{};  // zero: arrives at the instant of sending, after the action that sent it
-  // Of a serial line: what is sent arrives when its last character does, and waits for what was sent before it.
-  Duration character{};
   std::string name_a = "memory a";
   std::string name_b = "memory b";
+  // Of a serial line: what is sent arrives when its last character does, and waits for what was sent before it.
+  Duration character{};
 };
 
 using MemoryLink = std::pair<std::unique_ptr<ByteStream>, std::unique_ptr<ByteStream>>;

@@ -20,6 +20,7 @@ void CanNodeState::pop() {
 }
 
 std::size_t CanNodeState::clear() {
+  held.reset();
   const std::size_t kept = first_is_on_wire ? 1 : 0;
   return std::exchange(count, kept) - kept;
 }
@@ -57,6 +58,7 @@ void CanBus::Impl::detach(const NodePtr& node) {
     node->first_is_on_wire = false;
     transmitters.clear();
   }
+  if (node->twin) detach(std::exchange(node->twin, nullptr));
   node->attached = false;
   node->recovering = false;
   node->handlers.reset();
@@ -90,7 +92,7 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
     return CanSend::kRefusedState;
   }
   now = std::max(now, scheduler.now());
-  const CanVerdict verdict = judge.judge(frame, node->options.name);
+  const CanVerdict verdict = judge.judge(now, frame, node->options.name);
   if (verdict.bus_off) {
     ++node->lost;
     // In an event of its own, because send() does not call back.
@@ -99,16 +101,69 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
     });
     return CanSend::kRefusedState;
   }
-  const CanSend result = put(*node, {frame, now + verdict.delay, verdict});
+  if (verdict.silence) {
+    ++node->lost;
+    return CanSend::kQueued;
+  }
+  const CanNodeState::Waiting waiting{frame, now + verdict.delay, verdict};
+  if (verdict.reorder && !node->held) {
+    hold(now, node, waiting, *verdict.reorder);
+    return CanSend::kQueued;
+  }
+  const CanSend result = put(*node, waiting);
   if (result == CanSend::kRefusedFull) return result;
   for (unsigned i = 0; i < verdict.copies; ++i) {
     put(*node, {frame, now + verdict.delay + verdict.copies_after * (i + 1), CanVerdict{}});
   }
-  if (phase == Phase::kFree || phase == Phase::kStarting) {
-    const Instant start = start_of(*node, now);
-    if (phase == Phase::kFree || start < sof_at) plan_start_at(start);
-  }
+  if (verdict.twin) send_as_twin(now, node, waiting);
+  release(now, *node);
+  start_for(now, *node);
   return result;
+}
+
+void CanBus::Impl::start_for(Instant now, CanNodeState& node) {
+  if (node.count == 0 || (phase != Phase::kFree && phase != Phase::kStarting)) return;
+  const Instant start = start_of(node, now);
+  if (phase == Phase::kFree || start < sof_at) plan_start_at(start);
+}
+
+void CanBus::Impl::hold(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting, Duration patience) {
+  node->held = waiting;
+  node->release = scheduler.schedule(now + patience, kernel::Priority::kWire, [weak = weak_from_this(), node](Instant t) {
+    node->release = 0;
+    if (const auto self = weak.lock(); self && !self->closed) {
+      self->release(t, *node);
+      self->start_for(t, *node);
+    }
+  });
+}
+
+void CanBus::Impl::release(Instant now, CanNodeState& node) {
+  if (node.release != 0) scheduler.cancel(std::exchange(node.release, 0));
+  if (!node.held) return;
+  CanNodeState::Waiting waiting = *std::exchange(node.held, std::nullopt);
+  if (!node.may_send()) {
+    ++node.lost;
+    return;
+  }
+  waiting.ready_at = std::max(waiting.ready_at, now);
+  put(node, waiting);
+}
+
+// The other device is set up alike and answers the same request with its own data.
+void CanBus::Impl::send_as_twin(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting) {
+  if (!node->twin) {
+    CanNodeOptions twin = node->options;
+    twin.name = "twin of " + node->options.name;
+    twin.online = true;
+    twin.recovers = true;
+    node->twin = attach(now, std::move(twin));
+  }
+  if (!node->twin->may_send()) return;
+  CanNodeState::Waiting other{waiting.frame, waiting.ready_at, CanVerdict{}};
+  if (!other.frame.remote && other.frame.length > 0)
+    other.frame.data[judge.pick(other.frame.length)] ^= static_cast<std::uint8_t>(1 + judge.pick(255));
+  put(*node->twin, other);
 }
 
 void CanBus::Impl::set_online(Instant now, const NodePtr& node, bool online) {
@@ -145,7 +200,8 @@ void CanBus::Impl::force_bus_off(Instant now, const NodePtr& node) {
 
 // A frame on the wire is completed by what the bus remembers of it.
 void CanBus::Impl::enter_bus_off(Instant now, CanNodeState& node) {
-  node.lost += node.count;
+  node.lost += node.count + (node.held ? 1 : 0);
+  node.held.reset();
   node.count = 0;
   node.first_is_on_wire = false;
   if (node.options.recovers) start_recovery(now, node);
@@ -186,7 +242,12 @@ void CanBus::stop_observing(const CanBusObserver* observer) {
 void CanBus::set_faults(CanFaultPlan plan) {
   impl_->injected_before += impl_->judge.injected();
   impl_->judge = CanFaultJudge(std::move(plan));
+  const std::vector<Impl::NodePtr> all = impl_->nodes;
+  for (const auto& n : all)
+    if (n->twin) impl_->detach(std::exchange(n->twin, nullptr));
 }
+
+void CanBus::add_fault(CanFaultRule rule) { impl_->judge.add(std::move(rule)); }
 
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }

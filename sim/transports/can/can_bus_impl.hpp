@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct CanNodeState {
   std::size_t first = 0;
   std::size_t count = 0;
   bool first_is_on_wire = false;
+  std::optional<Waiting> held;  // by a fault, behind the next frame
+  kernel::EventId release = 0;
+  std::shared_ptr<CanNodeState> twin;  // by a fault
   Instant not_before{};  // suspend transmission of a passive node
   Instant joined_at{};   // hears frames that start from then on
   bool recovering = false;
@@ -62,6 +66,10 @@ struct CanBus::Impl : std::enable_shared_from_this<Impl> {
   NodePtr attach(Instant now, CanNodeOptions node_options);
   void detach(const NodePtr& node);
   CanSend send(Instant now, const NodePtr& node, const CanFrame& frame);
+  void hold(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting, Duration patience);
+  void release(Instant now, CanNodeState& node);
+  void send_as_twin(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting);
+  void start_for(Instant now, CanNodeState& node);
   void set_online(Instant now, const NodePtr& node, bool online);
   void reset_controller(Instant now, const NodePtr& node);
   void force_bus_off(Instant now, const NodePtr& node);

@@ -54,7 +54,7 @@ struct Bench {
 FaultRule nth(Fault fault, std::uint64_t n, Duration delay = {}, std::size_t bytes = 1) {
   FaultRule rule;
   rule.fault = fault;
-  rule.nth = n;
+  rule.when.nth = n;
   rule.delay = delay;
   rule.bytes = bytes;
   return rule;
@@ -128,7 +128,7 @@ FaultPlan random_plan(std::uint64_t seed) {
       FaultRule rule;
       rule.fault = fault;
       rule.direction = direction;
-      rule.probability = 0.1;
+      rule.when.probability = 0.1;
       rule.delay = milliseconds(7);
       plan.rules.push_back(rule);
     }
@@ -149,7 +149,7 @@ TEST(FaultInjector, TheSeedDecidesAndOnlyTheSeed) {
 
 TEST(FaultInjector, ProbabilityIsAboutTheShareOfPieces) {
   FaultRule rule;
-  rule.probability = 0.25;
+  rule.when.probability = 0.25;
   Bench b({.seed = 11, .rules = {rule}});
   b.run(800);
   EXPECT_NEAR(static_cast<double>(b.faulty->injected()), 200, 40);
@@ -168,7 +168,7 @@ TEST(FaultInjector, TheEndComesBehindDelayedBytesAndOnce) {
 TEST(FaultInjector, DelayedBytesAreLimited) {
   FaultRule rule;
   rule.fault = Fault::kDelay;
-  rule.probability = 1;
+  rule.when.probability = 1;
   rule.delay = milliseconds(1000);
   Bench b({.rules = {rule}});
   for (int i = 0; i < 65; ++i) b.faulty->send(at_ms(0), Bytes(1024));

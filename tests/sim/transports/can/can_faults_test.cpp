@@ -13,7 +13,7 @@ using std::chrono::microseconds;
 CanFaultRule nth(CanFault fault, std::uint64_t n) {
   CanFaultRule rule;
   rule.fault = fault;
-  rule.nth = n;
+  rule.when.nth = n;
   return rule;
 }
 
@@ -122,21 +122,21 @@ TEST(CanFaults, RulesChooseByIdentifierFormatAndNode) {
   CanFaultJudge judge({1, {rule}});
   CanFrame ext = CanFrame::standard(0x585, {});
   ext.extended = true;
-  EXPECT_FALSE(judge.judge(CanFrame::standard(0x605, {}), "a").drop);
-  EXPECT_FALSE(judge.judge(ext, "a").drop);
-  EXPECT_FALSE(judge.judge(CanFrame::standard(0x585, {}), "b").drop);
-  EXPECT_TRUE(judge.judge(CanFrame::standard(0x585, {}), "a").drop);  // the first of those it chooses
-  EXPECT_FALSE(judge.judge(CanFrame::standard(0x585, {}), "a").drop);
+  EXPECT_FALSE(judge.judge(Instant{}, CanFrame::standard(0x605, {}), "a").drop);
+  EXPECT_FALSE(judge.judge(Instant{}, ext, "a").drop);
+  EXPECT_FALSE(judge.judge(Instant{}, CanFrame::standard(0x585, {}), "b").drop);
+  EXPECT_TRUE(judge.judge(Instant{}, CanFrame::standard(0x585, {}), "a").drop);  // the first of those it chooses
+  EXPECT_FALSE(judge.judge(Instant{}, CanFrame::standard(0x585, {}), "a").drop);
   EXPECT_EQ(judge.injected(), 1u);
 }
 
 TEST(CanFaults, TheSeedDecidesByProbability) {
   CanFaultPlan plan;
   CanFaultRule rule;
-  rule.probability = 0.25;
+  rule.when.probability = 0.25;
   plan.rules.push_back(rule);
   rule.fault = CanFault::kCorrupt;
-  rule.probability = 0.1;
+  rule.when.probability = 0.1;
   plan.rules.push_back(rule);
   const std::string first = heard(plan, 200, true);
   EXPECT_EQ(first, heard(plan, 200, true));
