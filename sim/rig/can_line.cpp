@@ -1,6 +1,7 @@
 #include "sim/rig/can_line.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "sim/base/check.hpp"
 
@@ -46,8 +47,7 @@ std::size_t CanLine::add(Instant now, boards::CanChannel& channel, const std::st
 }
 
 void CanLine::follow_state(Instant now, Controller& c) {
-  const bool outside_off =
-      bridge_ != nullptr && bridge_->outside().status().state == CanState::kBusOff;
+  const bool outside_off = bridge_ != nullptr && bridge_->outside().status().state == CanState::kBusOff;
   const bool off = outside_off || c.node->status().state == CanState::kBusOff;
   if (off == c.bus_off) return;
   c.bus_off = off;
@@ -61,7 +61,7 @@ void CanLine::settle(Instant now, std::size_t controller) {
   c.settling = true;
   const bool outside_up = bridge_ == nullptr || (bridge_->outside().status().state != CanState::kOffline &&
                                                  bridge_->outside().status().state != CanState::kBusOff);
-  const std::uint32_t wanted = outside_up ? c.channel->bit_rate() : 0;
+  const std::uint32_t wanted = outside_up && c.plugged ? c.channel->bit_rate() : 0;
   if (wanted != c.bitrate) {
     c.bitrate = wanted;
     // The bus takes any rate above 0.
@@ -74,6 +74,24 @@ void CanLine::settle(Instant now, std::size_t controller) {
     c.node->send(now, *frame);
   }
   c.settling = false;
+}
+
+void CanLine::plug(Instant now, std::size_t controller, bool plugged) {
+  Controller& c = *controllers_[controller];
+  if (std::exchange(c.plugged, plugged) != plugged) c.on_traffic(now);
+}
+
+void CanLine::set_fault(const transports::CanFaultRule& rule) {
+  std::erase_if(faults_, [&](const auto& r) {
+    return r.fault == rule.fault && r.node == rule.node && r.id == rule.id && r.mask == rule.mask;
+  });
+  if (rule.probability > 0) faults_.push_back(rule);
+  bus_.set_faults({.seed = 1, .rules = faults_});
+}
+
+void CanLine::clear_faults() {
+  faults_.clear();
+  bus_.set_faults({});
 }
 
 void CanLine::join(Instant now, std::unique_ptr<transports::CanPort> outside) {

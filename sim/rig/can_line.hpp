@@ -32,6 +32,16 @@ class CanLine {
   // Joins the bus that is elsewhere. While that is down the boards are off the bus, and its bus off is theirs.
   void join(Instant now, std::unique_ptr<transports::CanPort> outside);
 
+  // A person pulls the board's connector, or puts it back.
+  void plug(Instant now, std::size_t controller, bool plugged);
+  bool plugged(std::size_t controller) const { return controllers_[controller]->plugged; }
+
+  // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
+  // one that never acts (probability 0) only removes that.
+  void set_fault(const transports::CanFaultRule& rule);
+  void clear_faults();
+  const std::vector<transports::CanFaultRule>& faults() const { return faults_; }
+
   transports::CanBus& bus() { return bus_; }
   const transports::CanBus& bus() const { return bus_; }
   transports::CanNode& controller(std::size_t number) { return *controllers_[number]->node; }
@@ -47,6 +57,7 @@ class CanLine {
     std::uint32_t bitrate = 0;  // as the node has it; 0: off the bus
     bool settling = false;
     bool bus_off = false;  // as the board was told
+    bool plugged = true;
   };
 
   void follow_state(Instant now, Controller& controller);
@@ -55,6 +66,7 @@ class CanLine {
   transports::CanBus bus_;
   std::vector<std::unique_ptr<Controller>> controllers_;
   std::unique_ptr<transports::CanBridge> bridge_;
+  std::vector<transports::CanFaultRule> faults_;
 };
 
 }  // namespace vinv::rig

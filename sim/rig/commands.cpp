@@ -6,83 +6,15 @@
 #include <optional>
 #include <utility>
 
-#include "sim/rig/quantity.hpp"
+#include "sim/rig/can_commands.hpp"
+#include "sim/rig/command_values.hpp"
 #include "sim/rig/words.hpp"
 
 namespace vinv::rig {
 namespace {
 
-using Words = std::vector<std::string_view>;
 using inverter::PanelKey;
 using port::OperationMode;
-
-// Leaves a command early; caught in execute() only.
-struct Refuse {
-  CommandError error;
-};
-
-[[noreturn]] void invalid(const std::string& message) { throw Refuse{{CommandCode::kInvalidValue, sentence(message)}}; }
-[[noreturn]] void refused(const std::string& message) { throw Refuse{{CommandCode::kRefused, sentence(message)}}; }
-
-void demand(const inverter::Outcome& outcome) {
-  if (!outcome) refused(outcome.error());
-}
-
-std::string shown(const Json& value) { return value.is_null() ? "nothing" : value.dump(); }
-
-std::string word_of(const Json& value, const Words& allowed, std::string_view what) {
-  if (!value.is_string()) invalid(std::string(what) + " is " + shown(value) + "; allowed: " + join(allowed) + ".");
-  const std::string word = value.get<std::string>();
-  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end())
-    invalid(std::string(what) + " is \"" + word + "\"; " + allowed_words(word, allowed));
-  return word;
-}
-
-bool switch_of(const Json& value, std::string_view what) {
-  bool on = false;
-  if (value.is_boolean()) return value.get<bool>();
-  if (!value.is_string() || !parse_switch(value.get<std::string>(), on))
-    invalid(std::string(what) + " is " + shown(value) + "; allowed: on, off.");
-  return on;
-}
-
-double quantity_of(const Json& value, Dimension dimension, std::string_view what) {
-  if (!value.is_string()) {
-    const auto units = units_of(dimension);
-    invalid(std::string(what) + " is " + shown(value) + "; write text with a number and one of these units: " +
-            join(units) + ", for example \"5 " + std::string(units.front()) + "\".");
-  }
-  const auto parsed = parse_quantity(value.get<std::string>(), dimension);
-  if (!parsed) invalid(std::string(what) + ": " + parsed.error());
-  return *parsed;
-}
-
-double quantity_within(const Json& value, Dimension dimension, std::string_view what, double low, double high,
-                       std::string_view allowed) {
-  const double v = quantity_of(value, dimension, what);
-  if (v < low || v > high)
-    invalid(std::string(what) + " is " + shown(value) + "; allowed: " + std::string(allowed) + ".");
-  return v;
-}
-
-double number_of(const Json& value, std::string_view what) {
-  double v = 0;
-  if (value.is_number()) return value.get<double>();
-  if (!value.is_string() || !parse_number(value.get<std::string>(), v))
-    invalid(std::string(what) + " is " + shown(value) + "; allowed: a number.");
-  return v;
-}
-
-// A mapping with at least one entry; keys empty: any key.
-const Json& map_of(const Json& value, const Words& keys, std::string_view command, std::string_view form) {
-  if (!value.is_object() || value.empty())
-    invalid(std::string(command) + " is " + shown(value) + "; it takes " + std::string(form) + ".");
-  if (!keys.empty())
-    for (const auto& [key, v] : value.items())
-      if (std::find(keys.begin(), keys.end(), key) == keys.end())
-        invalid("unknown word \"" + key + "\" in " + std::string(command) + "; " + allowed_words(key, keys));
-  return value;
-}
 
 std::string_view mode_name(OperationMode mode) {
   switch (mode) {
@@ -408,8 +340,19 @@ Json status(const Context& c) {
   for (const auto& s : inv.signals()) out["signals"][std::string(s.name)] = {{"value", s.value}, {"unit", s.unit}};
   out["terminals"] = Json::object();
   for (const auto& [name, on] : inv.terminals()) out["terminals"][std::string(name)] = on;
+  if (c.drive.board && !c.drive.board->status_led().empty()) out["led"] = c.drive.board->status_led();
+  if (c.drive.controller) out["can"] = can_json(c.plant, c.drive);
   out["endpoints"] = endpoints_json(c.drive);
   return out;
+}
+
+Json wire(const Context& c) { return wire_faults(c.plant, c.drive, c.value); }
+
+Json led(const Context& c) {
+  if (!c.drive.board) refused("the drive has no option board.");
+  const std::string_view shown_now = c.drive.board->status_led();
+  if (shown_now.empty()) refused("board " + std::string(c.drive.board->type()) + " has no status LED.");
+  return shown_now;
 }
 
 Json list(Plant& plant) {
@@ -459,6 +402,7 @@ struct Row {
 const std::vector<Row>& rows() {
   static const std::vector<Row> all{
       {{"list", false, "", "drives of the plant and where they are reached", "list"}, nullptr, {}, false},
+      {{"buses", false, "", "CAN buses: bit rate, load, errors, controllers", "buses"}, nullptr, {}, false},
       {{"commands", false, "", "this table", "commands"}, nullptr, {}, false},
       {{"status", true, "", "all signals, terminals, mode and alarm", "conveyor_1 status"}, status, {}, false},
       {{"names", true, "", "names of terminals, keys and faults", "conveyor_1 names"}, names, {}, false},
@@ -526,6 +470,14 @@ const std::vector<Row>& rows() {
        board_switch,
        {},
        true},
+      {{"led", true, "", "the option board's status LED", "conveyor_1 led"}, led, {}, false},
+      {{"wire", true,
+        "drop, duplicate, corrupt, error_frame: <p> %; delay: <t> ms with share: <p> %; id: <hex>; of: own | all; "
+        "error_frame | bus_off | unplugged | plugged | none",
+        "faults on the CAN bus of the drive; they last until none", "conveyor_1 wire drop 10 % id 185"},
+       wire,
+       wire_words(),
+       false},
   };
   return all;
 }
@@ -582,7 +534,7 @@ Json value_of(const Row& row, const std::vector<std::string>& words) {
 CommandResult dispatch(Plant& plant, const Row& row, std::string_view drive, const Json& value) {
   if (!row.info.for_drive) {
     if (!value.is_null()) invalid(std::string(row.info.name) + " takes no value.");
-    return row.info.name == "list" ? list(plant) : help();
+    return row.info.name == "list" ? list(plant) : row.info.name == "buses" ? buses_json(plant) : help();
   }
   DriveUnit* unit = plant.find(drive);
   if (unit == nullptr) {

@@ -1,8 +1,10 @@
 #include "sim/rig/live_can.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
+#include "sim/rig/words.hpp"
 #include "sim/transports/can/slcan_client.hpp"
 #include "sim/transports/can/socketcan_port.hpp"
 #include "sim/transports/can/socketcand_client.hpp"
@@ -27,8 +29,7 @@ Result<std::unique_ptr<transports::CanPort>, std::string> open_port(transports::
   using namespace transports;
   switch (net.kind) {
     case Kind::kSocketcan: return as_port(SocketCanPort::open(loop, net.device));
-    case Kind::kSocketcand:
-      return as_port(SocketcandClient::open(loop, net.remote.host, net.remote.port, net.device));
+    case Kind::kSocketcand: return as_port(SocketcandClient::open(loop, net.remote.host, net.remote.port, net.device));
     case Kind::kSlcanTcp: return as_port(SlcanClient::open_tcp(loop, net.remote.host, net.remote.port, net.bitrate));
     case Kind::kSlcanTty: return as_port(SlcanClient::open_tty(loop, net.device, kAdapterBaud, net.bitrate));
     case Kind::kUdpMulticast: {
@@ -137,6 +138,52 @@ void LiveCan::serve_slcan(std::size_t bus, const std::string& runtime_folder) {
     refuse(net.slcan->at, net, server.error(), "another address or port for slcan (port 0 picks a free one), or none.");
   endpoints_[bus].slcan = host_port((*server)->host(), (*server)->port());
   slcan_.push_back(std::move(server).value());
+}
+
+void LiveCan::record(const std::string& what) {
+  const auto& networks = plant_.file().can;
+  std::vector<std::size_t> recorded;
+  std::vector<std::string_view> names;
+  std::string file = what;
+  const std::size_t equals = what.find('=');
+  const std::string only = equals == std::string::npos ? "" : what.substr(0, equals);
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    if (!is_used(i)) continue;
+    names.push_back(networks[i].name);
+    if (networks[i].name == only) recorded.push_back(i), file = what.substr(equals + 1);
+  }
+  if (recorded.empty() && is_plant_word(only))
+    throw std::runtime_error("--record-can " + what + ": there is no CAN network \"" + only + "\" with drives; " +
+                             allowed_words(only, names));
+  for (std::size_t i = 0; recorded.empty() && i < networks.size(); ++i)
+    if (is_used(i)) recorded.push_back(i);
+  if (recorded.empty()) throw std::runtime_error("--record-can " + what + ": no drive is on a CAN bus.");
+
+  std::shared_ptr<transports::CandumpLog> log;
+  std::shared_ptr<transports::CaptureFile> capture;
+  const auto keep = [](auto created, auto& to, auto& list) {
+    if (!created) throw std::runtime_error(created.error());
+    list.push_back(to = std::move(created).value());
+  };
+  if (file.ends_with(".log"))
+    keep(transports::CandumpLog::create(file, start_unix_ns_), log, logs_);
+  else if (file.ends_with(".pcapng"))
+    keep(transports::CaptureFile::create(file, start_unix_ns_), capture, captures_);
+  else
+    throw std::runtime_error("--record-can " + what + ": allowed: a file that ends in .log (candump) or .pcapng.");
+  for (const std::size_t i : recorded) {
+    const CanNetwork& net = networks[i];
+    plant_.can_line(i).bus().observe(
+        std::make_shared<transports::CanRecorder>(net.channel.empty() ? net.device : net.channel, log, capture));
+  }
+}
+
+std::string LiveCan::recording_failure() const {
+  for (const auto& log : logs_)
+    if (!log->error().empty()) return log->error();
+  for (const auto& capture : captures_)
+    if (!capture->error().empty()) return capture->error();
+  return {};
 }
 
 }  // namespace vinv::rig

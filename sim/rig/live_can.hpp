@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "sim/rig/plant.hpp"
+#include "sim/transports/can/can_recorder.hpp"
 #include "sim/transports/can/can_servers.hpp"
+#include "sim/transports/capture_file.hpp"
 #include "sim/transports/event_loop.hpp"
 
 namespace vinv::rig {
@@ -18,6 +20,12 @@ class LiveCan {
   // in nanoseconds since 1970. Loop and plant outlive it. Throws PlantFileError with the network's place: a port in
   // use, an interface that is not there ...
   LiveCan(transports::EventLoop& loop, Plant& plant, const std::string& runtime_folder, std::int64_t start_unix_ns);
+
+  // "FILE" for all buses, or "NETWORK=FILE": a candump log if it ends in .log, a capture if it ends in .pcapng. Throws
+  // std::runtime_error with a sentence.
+  void record(const std::string& what);
+  // Why a recording ended early; empty if none did.
+  std::string recording_failure() const;
 
  private:
   void join(std::size_t bus);
@@ -33,6 +41,8 @@ class LiveCan {
   std::vector<std::unique_ptr<transports::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<transports::SlcanServer>> slcan_;
   std::vector<std::unique_ptr<transports::SlcanPty>> slcan_ptys_;
+  std::vector<std::shared_ptr<transports::CandumpLog>> logs_;
+  std::vector<std::shared_ptr<transports::CaptureFile>> captures_;
 };
 
 }  // namespace vinv::rig

@@ -108,6 +108,7 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
   open_tcp(options);
   open_serial(runtime);
   can_ = std::make_unique<LiveCan>(loop_, *plant_, runtime, start_unix_ns());
+  for (const std::string& what : options.record_can) can_->record(what);
   plant_->start();
   schedule_housekeeping();
 }
@@ -191,13 +192,17 @@ void LivePlant::open_line(std::size_t index, const std::string& runtime_folder) 
 void LivePlant::schedule_housekeeping() {
   housekeeping_ =
       loop_.scheduler().schedule_every(loop_.scheduler().now() + kHousekeepingInterval, kHousekeepingInterval,
-                                       kernel::Priority::kObserver, [this](Instant) {
-                                         plant_->collect_eeproms([this](const std::string& drive, std::string text) {
-                                           store_->store(drive, std::move(text));
-                                         });
-                                         if (const std::string failure = store_->take_failure(); !failure.empty())
-                                           notice_(failure);
-                                       });
+                                       kernel::Priority::kObserver, [this](Instant) { keep_house(); });
+}
+
+void LivePlant::keep_house() {
+  plant_->collect_eeproms(
+      [this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
+  if (const std::string failure = store_->take_failure(); !failure.empty()) notice_(failure);
+  if (recording_failed_) return;
+  const std::string failure = can_->recording_failure();
+  recording_failed_ = !failure.empty();
+  if (recording_failed_) notice_("recording of CAN ended: " + sentence(failure));
 }
 
 void LivePlant::when_ready(std::function<void()> ready) {
@@ -236,9 +241,9 @@ std::string LivePlant::table() const {
     out += fmt::format("{}  {} {}, motor {}\n", d->spec.name, d->inverter->family(), d->inverter->model(),
                        d->spec.motor.value.name);
     if (d->tcp) {
-      out += fmt::format(
-          "  Modbus/TCP  {} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
-          host_port(d->tcp->host, d->tcp->port), d->unit(), d->tcp->port, d->unit(), d->tcp->host);
+      out +=
+          fmt::format("  Modbus/TCP  {} unit {}\n              mbpoll -m tcp -p {} -a {} -0 -r 24000 -c 1 -t 4 -1 {}\n",
+                      host_port(d->tcp->host, d->tcp->port), d->unit(), d->tcp->port, d->unit(), d->tcp->host);
     }
     if (d->serial) {
       const auto line = d->board->serial_channel()->line_settings();

@@ -20,10 +20,11 @@
 namespace vinv::rig {
 
 struct LiveOptions {
-  bool fresh = false;          // stored EEPROMs are not loaded, and overwritten
-  std::string state_folder;    // empty: default_state_folder
-  std::string runtime_folder;  // empty: default_runtime_folder
-  std::string record_ip;       // a pcapng file for all TCP traffic; empty: none
+  bool fresh = false;                   // stored EEPROMs are not loaded, and overwritten
+  std::string state_folder;             // empty: default_state_folder
+  std::string runtime_folder;           // empty: default_runtime_folder
+  std::string record_ip;                // a pcapng file for all TCP traffic; empty: none
+  std::vector<std::string> record_can;  // as LiveCan::record has it
 };
 
 class LivePlant {
@@ -56,6 +57,7 @@ class LivePlant {
   void open_serial(const std::string& runtime_folder);
   void open_line(std::size_t index, const std::string& runtime_folder);
   void schedule_housekeeping();
+  void keep_house();
 
   transports::EventLoop& loop_;
   Notice notice_;
@@ -68,6 +70,7 @@ class LivePlant {
   std::unique_ptr<LiveCan> can_;
   kernel::EventId housekeeping_ = 0;
   kernel::EventId ready_check_ = 0;
+  bool recording_failed_ = false;  // and was told
 };
 
 }  // namespace vinv::rig

@@ -57,8 +57,8 @@ void NetworkReader::read(const YAML::Node& node) {
 
 void NetworkReader::serial(const YamlMap& net, const std::string& name, const std::string& device) {
   if (device != "pty" && !device.starts_with("/dev/")) {
-    problems_.add(*net.find("serial"), "serial in network " + name + " is \"" + device +
-                                           "\"; allowed: pty, or a device as /dev/ttyUSB0.");
+    problems_.add(*net.find("serial"),
+                  "serial in network " + name + " is \"" + device + "\"; allowed: pty, or a device as /dev/ttyUSB0.");
     return;
   }
   named_.push_back({name, Kind::kSerial, file_.serial.size()});
@@ -102,9 +102,10 @@ void NetworkReader::can(const YamlMap& net, const std::string& name, const std::
   }
   if (const auto channel = net.text("channel")) bus->channel = *channel;
   if (bus->socketcand && (!is_plant_word(bus->channel) || bus->channel.size() > kMaxChannel))
-    problems_.add(net.has("channel") ? *net.find("channel") : *net.find("can"),
-                  "channel of network " + name + " is \"" + bus->channel +
-                      "\"; allowed: a letter, then letters, digits, _ and -, 15 in all, as socketcand clients open it.");
+    problems_.add(
+        net.has("channel") ? *net.find("channel") : *net.find("can"),
+        "channel of network " + name + " is \"" + bus->channel +
+            "\"; allowed: a letter, then letters, digits, _ and -, 15 in all, as socketcand clients open it.");
   named_.push_back({name, Kind::kCan, file_.can.size()});
   file_.can.push_back(std::move(*bus));
 }
@@ -193,8 +194,7 @@ std::optional<std::size_t> NetworkReader::tcp_port(const std::string& text, cons
   return file_.tcp.size() - 1;
 }
 
-std::optional<std::size_t> NetworkReader::can_bus(const std::string& text, const YAML::Node* node,
-                                                  const DriveSpec& d) {
+std::optional<std::size_t> NetworkReader::can_bus(const std::string& text, const YAML::Node* node, const DriveSpec& d) {
   if (text == "none") return {};
   const Position at = node == nullptr ? d.at : position_of(*node);
   if (const Named* named = find(text)) {
@@ -236,8 +236,9 @@ void NetworkReader::check_can_endpoints() {
       const std::string where = host_port(net.socketcand->host, net.socketcand->port);
       const auto [first, fresh] = socketcand.emplace(where + "/" + net.channel, net.name);
       if (!fresh)
-        problems_.add(net.at, "network " + net.name + " has the socketcand channel \"" + net.channel + "\" of network " +
-                                  first->second + " at " + where + "; allowed: another channel, or another address.");
+        problems_.add(net.at, "network " + net.name + " has the socketcand channel \"" + net.channel +
+                                  "\" of network " + first->second + " at " + where +
+                                  "; allowed: another channel, or another address.");
     }
     if (net.slcan && net.slcan->port != 0) {
       const std::string where = host_port(net.slcan->host, net.slcan->port);

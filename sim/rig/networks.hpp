@@ -34,8 +34,8 @@ struct CanNetwork {
 
   std::string name;
   Kind kind = Kind::kVirtual;
-  std::string device;          // interface, tty, multicast group (empty: the default one), or a server's bus
-  TcpNetwork remote;           // of kSocketcand and kSlcanTcp
+  std::string device;               // interface, tty, multicast group (empty: the default one), or a server's bus
+  TcpNetwork remote;                // of kSocketcand and kSlcanTcp
   std::uint32_t bitrate = 125'000;  // bit/s
 
   // Ways for masters onto the bus. Several networks with one socketcand address are one server.

@@ -61,11 +61,10 @@ void assign_nodes(PlantFile& file, Problems& problems) {
       const auto [first, fresh] = taken.emplace(std::tuple(wire, *index, address.node), &d);
       if (fresh || told) continue;
       told = true;
-      problems.add(address.at,
-                   "node " + std::to_string(address.node) + " of " + d.name +
-                       (address.parameter.empty() ? "" : " (" + std::string(address.parameter) + ")") +
-                       " is taken by " + first->second->name + " on the same " + name +
-                       "; allowed: another node, or a wire of its own.");
+      problems.add(address.at, "node " + std::to_string(address.node) + " of " + d.name +
+                                   (address.parameter.empty() ? "" : " (" + std::string(address.parameter) + ")") +
+                                   " is taken by " + first->second->name + " on the same " + name +
+                                   "; allowed: another node, or a wire of its own.");
     }
   }
 }

@@ -63,6 +63,24 @@ void print_status(const Json& s) {
   fmt::print("  terminals:");
   for (const auto& [name, on] : s["terminals"].items()) fmt::print(" {}={}", name, on.get<bool>() ? "on" : "off");
   fmt::print("\n");
+  if (s.contains("led")) fmt::print("  LED: {}\n", text_of(s["led"]));
+  if (!s.contains("can")) return;
+  const Json& can = s["can"];
+  fmt::print("  CAN {} node {}: {}, TEC {} REC {}, {} sent, {} received, {} lost; bus load {} %\n",
+             text_of(can["network"]), text_of(can["node"]), text_of(can["state"]), text_of(can["tec"]),
+             text_of(can["rec"]), text_of(can["sent"]), text_of(can["received"]), text_of(can["lost"]),
+             text_of(can["bus_load_percent"]));
+}
+
+void print_bus(const Json& bus) {
+  fmt::print("{}  {}  {} bit/s  load {} % (peak {} %)  {} frames, {} error frames  {} nodes\n", text_of(bus["name"]),
+             text_of(bus["can"]), text_of(bus["bitrate"]), text_of(bus["load_percent"]),
+             text_of(bus["peak_load_percent"]), text_of(bus["frames"]), text_of(bus["error_frames"]),
+             text_of(bus["nodes"]));
+  if (bus.contains("outside")) fmt::print("  elsewhere: {}\n", text_of(bus["outside"]["state"]));
+  for (const auto& d : bus["drives"])
+    fmt::print("  {}  node {}  {}\n", text_of(d["name"]), text_of(d["node"]), text_of(d["state"]));
+  for (const auto& fault : bus["faults"]) fmt::print("  fault {}\n", fault.dump());
 }
 
 // modbus-tcp  host 127.0.0.1  port 1502  unit 5
@@ -77,6 +95,10 @@ void print_endpoints(const Json& endpoints) {
 
 void print_result(const std::string& command, const Json& result) {
   if (command == "status") return print_status(result);
+  if (command == "buses") {
+    for (const auto& bus : result) print_bus(bus);
+    return;
+  }
   if (command == "list") {
     for (const auto& d : result) {
       fmt::print("{}  {} {}  motor {}  display {}\n", text_of(d["name"]), text_of(d["family"]), text_of(d["model"]),

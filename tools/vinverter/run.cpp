@@ -92,6 +92,10 @@ void add_run(CLI::App& app, int& exit_code) {
                   "Folder of control socket and pseudo-terminal names; default: $XDG_RUNTIME_DIR/vinverter/PLANT or "
                   "/tmp/vinverter-UID/PLANT");
   sub->add_option("--record-ip", options->live.record_ip, "Record all TCP traffic to this pcapng file");
+  sub->add_option("--record-can", options->live.record_can,
+                  "Record CAN to this file: a candump log if it ends in .log, a capture if it ends in .pcapng; "
+                  "NETWORK=FILE records one bus; may be repeated")
+      ->allow_extra_args(false);
   sub->add_option("--duration", options->duration_s, "Stop after this many seconds")->check(is_duration);
   sub->footer(
       "\nSIGINT or SIGTERM stop the plant; EEPROMs are stored, and how late events ran is printed.\n"

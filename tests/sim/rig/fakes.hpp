@@ -149,7 +149,33 @@ class FakeInverter : public inverter::Inverter {
   bool powered_ = false;
   bool changed_ = false;
   std::map<std::string, bool> terminals_{{"RES", false}, {"RH", false}, {"STF", false}, {"STR", false}};
-  std::map<std::string, double, std::less<>> parameters_{{"Pr.7", 5}, {"Pr.345", 63}, {"Pr.347", 4}};
+  std::map<std::string, double, std::less<>> parameters_{{"Pr.7", 5}, {"Pr.345", 63}, {"Pr.346", 132}, {"Pr.347", 4}};
+};
+
+// Answers each frame with one of the next identifier; needs power.
+class FakeCan : public boards::CanChannel {
+ public:
+  std::uint32_t bit_rate() const override { return node_now == 0 ? 0 : rate; }
+  std::uint8_t node() const override { return node_now; }
+  void handle_frame(Instant, const CanFrame& frame) override {
+    CanFrame answer = frame;
+    ++answer.id;
+    heard.push_back(frame);
+    to_send.push_back(answer);
+  }
+  std::optional<CanFrame> poll_transmit(Instant) override {
+    if (to_send.empty()) return {};
+    const CanFrame out = to_send.front();
+    to_send.erase(to_send.begin());
+    return out;
+  }
+  void set_bus_off(Instant, bool off) override { bus_off.push_back(off); }
+
+  std::uint32_t rate = 125'000;
+  std::uint8_t node_now = 0;
+  std::vector<CanFrame> heard;
+  std::vector<CanFrame> to_send;
+  std::vector<bool> bus_off;
 };
 
 // Answers each byte that it gets with the byte after it, 2 ms later; needs power.
@@ -159,6 +185,7 @@ class FakeBoard : public boards::OptionBoard, public boards::SerialChannel, publ
   std::string_view type() const override { return "oi-fr-e5nco"; }
   void handle_power(Instant, bool on) override {
     powered_ = on;
+    can.node_now = static_cast<std::uint8_t>(on ? node_ : 0);
     journal_.push_back("board " + std::to_string(node_) + (on ? " power on" : " power off"));
   }
   void handle_drive_tick(Instant) override { ++drive_ticks; }
@@ -177,6 +204,8 @@ class FakeBoard : public boards::OptionBoard, public boards::SerialChannel, publ
   }
   modbus::Unit* modbus_unit() override { return this; }
   boards::SerialChannel* serial_channel() override { return this; }
+  boards::CanChannel* can_channel() override { return &can; }
+  std::string_view status_led() const override { return powered_ ? "green" : "off"; }
 
   boards::LineSettings line_settings() const override { return line; }
   void handle_bytes(Instant now, ByteView bytes, bool line_error) override {
@@ -205,6 +234,7 @@ class FakeBoard : public boards::OptionBoard, public boards::SerialChannel, publ
   }
   void forget(modbus::ClientId client) override { requests_.erase(client); }
 
+  FakeCan can;
   boards::LineSettings line;
   unsigned sw1 = 0;
   int drive_ticks = 0;

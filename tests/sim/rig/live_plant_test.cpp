@@ -202,7 +202,9 @@ TEST_F(LivePlantTest, APortInUseIsTold) {
     const std::string port = std::to_string(ready["drives"][0]["endpoints"][0]["port"].get<int>());
     try {
       const LivePlant second(
-          loop, parse_plant_file("drives:\n  - board: { modbus_tcp: 127.0.0.1:" + port + ", network: none }\n", "p.yaml", catalogue),
+          loop,
+          parse_plant_file("drives:\n  - board: { modbus_tcp: 127.0.0.1:" + port + ", network: none }\n", "p.yaml",
+                           catalogue),
           catalogue, other, [](const std::string&) {});
       ADD_FAILURE();
     } catch (const std::runtime_error& e) {

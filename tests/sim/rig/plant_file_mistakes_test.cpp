@@ -15,7 +15,7 @@ struct Mistake {
   const char* expected;  // the whole message
 };
 
-#define CAN_WAYS                                                                                             \
+#define CAN_WAYS                                                                                            \
   "virtual, socketcan:INTERFACE, socketcand:ADDRESS:PORT/CHANNEL, slcan:ADDRESS:PORT, slcan:/dev/ttyACM0, " \
   "udp_multicast, udp_multicast:GROUP"
 
@@ -129,17 +129,20 @@ const Mistake kMistakes[] = {
      "p.yaml:2:37: socketcand in network line is \"29536\"; allowed: address:port, as 127.0.0.1:29536, [::1]:29536 or "
      "0.0.0.0:29536; port 0 to 65535, 0 picks a free one."},
     {"ChannelTooLong", "networks:\n  line_of_sixteen_: { can: virtual }\ndrives: [{}]\n",
-     "p.yaml:2:28: channel of network line_of_sixteen_ is \"line_of_sixteen_\"; allowed: a letter, then letters, digits, "
+     "p.yaml:2:28: channel of network line_of_sixteen_ is \"line_of_sixteen_\"; allowed: a letter, then letters, "
+     "digits, "
      "_ and -, 15 in all, as socketcand clients open it."},
     {"ChannelTaken", "networks:\n  a: { can: virtual, channel: x }\n  b: { can: virtual, channel: x }\ndrives: [{}]\n",
-     "p.yaml:3:13: network b has the socketcand channel \"x\" of network a at 127.0.0.1:29536; allowed: another channel, "
+     "p.yaml:3:13: network b has the socketcand channel \"x\" of network a at 127.0.0.1:29536; allowed: another "
+     "channel, "
      "or another address."},
     {"SlcanTaken",
      "networks:\n  a: { can: virtual, slcan: \"127.0.0.1:3333\" }\n  b: { can: virtual, slcan: \"127.0.0.1:3333\" }\n"
      "drives: [{}]\n",
      "p.yaml:3:29: slcan in network b is \"127.0.0.1:3333\", which network a has; allowed: an address for each bus."},
     {"UnknownCanNetwork", "networks: { hall: { can: virtual } }\ndrives:\n  - board: { network: hal }\n",
-     "p.yaml:3:23: network of drive_1 is \"hal\"; allowed: hall, can0, none, or a bus elsewhere, as socketcan:vcan0. Did "
+     "p.yaml:3:23: network of drive_1 is \"hal\"; allowed: hall, can0, none, or a bus elsewhere, as socketcan:vcan0. "
+     "Did "
      "you mean \"hall\"?"},
     {"VirtualBusWithoutAName", "drives:\n  - board: { network: virtual }\n",
      "p.yaml:2:23: network of drive_1 is \"virtual\"; allowed: can0, none, or a bus elsewhere, as socketcan:vcan0."},
@@ -158,7 +161,8 @@ const Mistake kMistakes[] = {
      "own."},
     {"NodeTakenByAParameter",
      "drives:\n  - board: { node: 3 }\n  - board: { node: 4 }\n    parameters: { Pr.345: 3 }\n",
-     "p.yaml:4:27: node 3 of drive_2 (Pr.345) is taken by drive_1 on the same Modbus/TCP port; allowed: another node, or "
+     "p.yaml:4:27: node 3 of drive_2 (Pr.345) is taken by drive_1 on the same Modbus/TCP port; allowed: another node, "
+     "or "
      "a wire of its own."},
     {"UnknownSerialLine", "networks: { hall: { serial: pty } }\ndrives:\n  - board: { modbus_rtu: hal }\n",
      "p.yaml:3:26: modbus_rtu of drive_1 is \"hal\"; allowed: a device as /dev/ttyUSB0, hall, pty, none. Did you mean "
@@ -174,11 +178,11 @@ const Mistake kMistakes[] = {
     {"OctetTooHigh", "drives:\n  - board: { modbus_tcp: 127.0.0.256:502 }\n",
      "p.yaml:2:26: modbus_tcp of drive_1 is \"127.0.0.256:502\"; allowed: "},
     {"NetworkWithoutKind", "networks:\n  hall: {}\ndrives: [{}]\n",
-     "p.yaml:2:3: network hall has no kind; allowed: one of serial (pty or a device), modbus_tcp (address:port) and can (" CAN_WAYS
-     ")."},
+     "p.yaml:2:3: network hall has no kind; allowed: one of serial (pty or a device), modbus_tcp (address:port) and "
+     "can (" CAN_WAYS ")."},
     {"NetworkWithBothKinds", "networks:\n  hall: { serial: pty, modbus_tcp: 127.0.0.1:0 }\ndrives: [{}]\n",
-     "p.yaml:2:3: network hall has several kinds; allowed: one of serial (pty or a device), modbus_tcp (address:port) and can ("
-     CAN_WAYS ")."},
+     "p.yaml:2:3: network hall has several kinds; allowed: one of serial (pty or a device), modbus_tcp (address:port) "
+     "and can (" CAN_WAYS ")."},
     {"NetworkDeviceIsNoDevice", "networks:\n  hall: { serial: COM1 }\ndrives: [{}]\n",
      "p.yaml:2:19: serial in network hall is \"COM1\"; allowed: pty, or a device as /dev/ttyUSB0."},
     {"TerminalIsANumber", "drives:\n  - terminals: { STF: 1 }\n",
