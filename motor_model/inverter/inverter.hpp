@@ -72,6 +72,9 @@ class Inverter {
   // Operation panel / parameter unit.
   virtual Outcome press_key(PanelKey key) = 0;
   virtual Outcome set_panel_frequency(double hz) = 0;
+  // Sets the speed the way that the operation mode listens to: at the panel, or at the analog input that counts now,
+  // turned until it says this frequency. Refused in network operation.
+  virtual Outcome set_reference(double hz) { return set_panel_frequency(hz); }
   virtual std::string display() const = 0;  // what the panel's digits show: "50.00", "E.OV3", ...
   // Control terminals by their printed name (STF, STR, RH, RM, RL, MRS, RES, ...); analog in V or mA ("2", "4").
   virtual Outcome set_terminal(std::string_view terminal, bool on) = 0;

@@ -45,7 +45,7 @@ Json faults_json(const CanLine& line) {
     Json row;
     for (const FaultWord& f : kFaults)
       if (f.fault == rule.fault) row["fault"] = f.word;
-    row["share_percent"] = rounded(rule.probability * 100);
+    row["share_percent"] = rounded(rule.when.probability * 100);
     if (rule.fault == CanFault::kDelay) row["delay_ms"] = to_seconds(rule.delay) * 1000;
     if (rule.mask != 0) {
       std::array<char, 8> hex{};
@@ -109,9 +109,9 @@ Json wire_faults(Plant& plant, DriveUnit& drive, const Json& value) {
       rule.fault = f.fault;
       if (f.fault == CanFault::kDelay) {
         rule.delay = seconds_to_duration(quantity_within(map[word], Dimension::kTime, word, 0, 3600, "0 to 60 min"));
-        rule.probability = map.contains("share") ? share_of(map["share"], "share") : rule.delay > Duration{} ? 1 : 0;
+        rule.when.probability = map.contains("share") ? share_of(map["share"], "share") : rule.delay > Duration{} ? 1 : 0;
       } else {
-        rule.probability = share_of(map[word], word);
+        rule.when.probability = share_of(map[word], word);
       }
       rules.push_back(std::move(rule));
     }

@@ -85,7 +85,7 @@ void CanLine::set_fault(const transports::CanFaultRule& rule) {
   std::erase_if(faults_, [&](const auto& r) {
     return r.fault == rule.fault && r.node == rule.node && r.id == rule.id && r.mask == rule.mask;
   });
-  if (rule.probability > 0) faults_.push_back(rule);
+  if (rule.when.probability > 0) faults_.push_back(rule);
   bus_.set_faults({.seed = 1, .rules = faults_});
 }
 

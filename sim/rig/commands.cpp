@@ -16,17 +16,6 @@ namespace {
 using inverter::PanelKey;
 using port::OperationMode;
 
-std::string_view mode_name(OperationMode mode) {
-  switch (mode) {
-    case OperationMode::kExternal: return "EXT";
-    case OperationMode::kPu: return "PU";
-    case OperationMode::kNetwork: return "NET";
-    case OperationMode::kCombined1: return "EXT/PU combined 1";
-    case OperationMode::kCombined2: return "EXT/PU combined 2";
-  }
-  return "";
-}
-
 struct Key {
   std::string_view word;
   PanelKey key;
@@ -117,6 +106,17 @@ Json key(const Context& c) {
 Json panel_frequency(const Context& c) {
   const double hz = quantity_of(c.value, Dimension::kFrequency, "frequency");
   demand(c.inverter().set_panel_frequency(hz));
+  return hz;
+}
+
+Json reference(const Context& c) {
+  std::string text = c.value.is_string() ? c.value.get<std::string>() : std::string{};
+  double hz = 0;
+  if (const auto rpm = parse_quantity(text, Dimension::kSpeed); rpm)
+    hz = *rpm * c.drive.spec.motor.value.pole_pairs / 60;  // synchronous: the load's slip comes off
+  else
+    hz = quantity_of(c.value, Dimension::kFrequency, "reference");
+  demand(c.inverter().set_reference(hz));
   return hz;
 }
 
@@ -224,24 +224,71 @@ Json board_switch(const Context& c) {
 
 // --- machine ---
 
+// A change of the constant torque that takes its time, and torque by a table: both are the load's table, which counts
+// from the plant's start, so that the equations see a line and no stairs.
+std::vector<plant::LoadPoint> load_table(const Json& value, double now_s) {
+  constexpr std::size_t kMaxPoints = 10000;
+  constexpr std::string_view kForm =
+      "a list as [{at: 0 s, torque: 2 Nm}, {at: 5 s, torque: 8 Nm}], at counted from now";
+  if (!value.is_array() || value.empty() || value.size() > kMaxPoints)
+    invalid("table is " + shown(value) + "; it takes " + std::string(kForm) + ".");
+  std::vector<plant::LoadPoint> out;
+  for (const Json& point : value) {
+    map_of(point, {"at", "torque"}, "table", kForm);
+    if (!point.contains("at") || !point.contains("torque")) invalid("a point of table needs at and torque.");
+    const double at_s = now_s + quantity_within(point["at"], Dimension::kTime, "at", 0, 1e6, "0 to 1000000 s");
+    if (!out.empty() && at_s <= out.back().time_s) invalid("at of a point in table is not after the point before it.");
+    out.push_back(
+        {at_s, quantity_within(point["torque"], Dimension::kTorque, "torque", -1e6, 1e6, "-1000 to 1000 kNm")});
+  }
+  return out;
+}
+
 Json load(const Context& c) {
-  const Json& map = map_of(c.value, {"torque", "linear", "quadratic", "hoist", "inertia"}, "load",
-                           "{torque: 12 Nm}, linear and quadratic (Nm at rated speed), hoist (Nm), inertia (kg m2)");
+  const Json& map =
+      map_of(c.value, {"torque", "linear", "quadratic", "hoist", "inertia", "over", "table"}, "load",
+             "{torque: 12 Nm}, over: 2 s with torque, linear and quadratic (Nm at rated speed), hoist (Nm), "
+             "inertia (kg m2), table");
   plant::LoadSettings load = c.inverter().plant().load();
   const double rated_rad_s = c.drive.spec.motor.value.rated_speed_rpm * std::numbers::pi / 30;
   const auto torque = [&](const char* key, double low) {
     return quantity_within(map[key], Dimension::kTorque, key, low, 1e6,
                            low < 0 ? "-1000 to 1000 kNm" : "0 to 1000 kNm");
   };
+  if (map.contains("over") && (!map.contains("torque") || map.contains("table")))
+    invalid("load: over is the time that torque takes to get there, as {torque: 12 Nm, over: 2 s}.");
+  const double before_nm = load.constant_nm;
   if (map.contains("torque")) load.constant_nm = torque("torque", 0);
   if (map.contains("linear")) load.linear_nm_s = torque("linear", 0) / rated_rad_s;
   if (map.contains("quadratic")) load.quadratic_nm_s2 = torque("quadratic", 0) / (rated_rad_s * rated_rad_s);
   if (map.contains("hoist")) load.hoist_nm = torque("hoist", -1e6);
   if (map.contains("inertia"))
     load.inertia_kg_m2 = quantity_within(map["inertia"], Dimension::kInertia, "inertia", 0, 1e6, "0 to 1000000 kg m2");
+  const double now_s = to_seconds(c.inverter().plant().time());
+  if (map.contains("table")) load.table = load_table(map["table"], now_s);
+  std::optional<double> ramp_s;
+  if (map.contains("over"))
+    ramp_s = quantity_within(map["over"], Dimension::kTime, "over", 1e-3, 1e6, "1 ms to 1000000 s");
+  const double target_nm = load.constant_nm;
+  if (ramp_s) {
+    const double low_nm = std::min(before_nm, target_nm);
+    load.constant_nm = low_nm;
+    load.table = {{now_s, before_nm - low_nm}, {now_s + *ramp_s, target_nm - low_nm}};
+  }
   if (const auto fine = plant::validate(load); !fine) invalid("load: " + fine.error());
+  auto& scheduler = c.plant.scheduler();
+  if (c.drive.load_ramp_ends != 0) scheduler.cancel(std::exchange(c.drive.load_ramp_ends, 0));
   c.inverter().set_load(load);
-  return Json{{"torque_Nm", load.constant_nm},
+  if (ramp_s)
+    c.drive.load_ramp_ends = scheduler.schedule(c.plant.now() + seconds_to_duration(*ramp_s),
+                                                kernel::Priority::kStimulus, [&drive = c.drive, target_nm](Instant) {
+                                                  drive.load_ramp_ends = 0;
+                                                  plant::LoadSettings settled = drive.inverter->plant().load();
+                                                  settled.constant_nm = target_nm;
+                                                  settled.table.clear();
+                                                  drive.inverter->set_load(settled);
+                                                });
+  return Json{{"torque_Nm", target_nm},
               {"linear_Nm_at_rated", load.linear_nm_s * rated_rad_s},
               {"quadratic_Nm_at_rated", load.quadratic_nm_s2 * rated_rad_s * rated_rad_s},
               {"hoist_Nm", load.hoist_nm},
@@ -419,6 +466,11 @@ const std::vector<Row>& rows() {
        panel_frequency,
        {},
        false},
+      {{"reference", true, "<f> Hz | <n> rpm", "set frequency, at the panel or analog input as the mode wants it",
+        "conveyor_1 reference 40 Hz"},
+       reference,
+       {},
+       false},
       {{"mode", true, "PU | EXT", "operation mode, by the PU/EXT key", "conveyor_1 mode PU"}, mode, {}, false},
       {{"terminal", true, "<terminal>: on | off", "control terminals", "conveyor_1 terminal STF=on RH=on"},
        terminal,
@@ -445,10 +497,10 @@ const std::vector<Row>& rows() {
        parameters,
        {},
        false},
-      {{"load", true, "torque, linear, quadratic, hoist: <t> Nm; inertia: <j> kg m2",
-        "the driven machine; what is not named stays", "conveyor_1 load torque 12 Nm"},
+      {{"load", true, "torque, linear, quadratic, hoist: <t> Nm; inertia: <j> kg m2; over: <t> s",
+        "the driven machine; what is not named stays; torque may take its time", "conveyor_1 load torque 12 Nm"},
        load,
-       {"torque", "linear", "quadratic", "hoist", "inertia"},
+       {"torque", "linear", "quadratic", "hoist", "inertia", "over"},
        false},
       {{"shaft", true, "locked | free", "block or free the shaft", "conveyor_1 shaft locked"}, shaft, {}, false},
       {{"mains", true, "voltage: <u> V; dip: <d> % with for: <t> ms", "supply voltage; a dip lowers it by d for a time",
@@ -581,6 +633,17 @@ CommandResult execute(Plant& plant, std::string_view command, std::string_view d
 CommandResult execute_words(Plant& plant, std::string_view command, std::string_view drive,
                             const std::vector<std::string>& words) {
   return guarded(plant, command, drive, [&](const Row& row) { return value_of(row, words); });
+}
+
+std::string_view mode_name(port::OperationMode mode) {
+  switch (mode) {
+    case OperationMode::kExternal: return "EXT";
+    case OperationMode::kPu: return "PU";
+    case OperationMode::kNetwork: return "NET";
+    case OperationMode::kCombined1: return "EXT/PU combined 1";
+    case OperationMode::kCombined2: return "EXT/PU combined 2";
+  }
+  return "";
 }
 
 Json endpoints_json(const DriveUnit& drive) {

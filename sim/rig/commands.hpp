@@ -46,6 +46,9 @@ CommandResult execute(Plant& plant, std::string_view command, std::string_view d
 CommandResult execute_words(Plant& plant, std::string_view command, std::string_view drive,
                             const std::vector<std::string>& words);
 
+// "EXT", "PU", "NET" ...
+std::string_view mode_name(port::OperationMode mode);
+
 // How a foreign client reaches a drive now: [{"protocol": "modbus-tcp", "host": ..., "port": ..., "unit": ...}, ...].
 Json endpoints_json(const DriveUnit& drive);
 

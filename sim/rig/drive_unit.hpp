@@ -47,6 +47,7 @@ struct DriveUnit {
   kernel::EventId dip_ends = 0;  // pending events of commands that take time; 0: none
   kernel::EventId power_returns = 0;
   kernel::EventId reset_released = 0;
+  kernel::EventId load_ramp_ends = 0;
 
   bool board_powered = false;
   std::optional<Instant> board_deadline;

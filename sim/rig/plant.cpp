@@ -41,7 +41,7 @@ void Plant::wire(DriveUnit& d) {
 Plant::~Plant() {
   if (tick_event_ != 0) scheduler_.cancel(tick_event_);
   for (const auto& d : drives_)
-    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released})
+    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released, d->load_ramp_ends})
       if (id != 0) scheduler_.cancel(id);
 }
 

@@ -53,7 +53,12 @@ class Loader {
 
   PlantFile load(std::string_view text) {
     const auto root = parse(text);
-    if (root) plant(*root);
+    return load_node(root ? &*root : nullptr);
+  }
+
+  // nullptr: no document, which is a problem already.
+  PlantFile load_node(const YAML::Node* root) {
+    if (root != nullptr) plant(*root);
     if (!problems_.empty()) {
       auto list = problems_.take();
       std::stable_sort(list.begin(), list.end(), [](const Problem& a, const Problem& b) {
@@ -453,6 +458,10 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
 
 PlantFile parse_plant_file(std::string_view text, const std::string& path, const Catalogue& catalogue) {
   return Loader(path, catalogue).load(text);
+}
+
+PlantFile parse_plant_node(const YAML::Node& node, const std::string& path, const Catalogue& catalogue) {
+  return Loader(path, catalogue).load_node(&node);
 }
 
 PlantFile load_plant_file(const std::string& path, const Catalogue& catalogue) {

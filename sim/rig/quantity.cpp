@@ -38,6 +38,10 @@ constexpr std::array kUnits{
     Unit{Dimension::kTemperature, "C", 1},
     Unit{Dimension::kTemperature, "degC", 1, false},
     Unit{Dimension::kTemperature, "\u00b0C", 1, false},
+    Unit{Dimension::kSpeed, "rpm", 1},
+    Unit{Dimension::kSpeed, "1/min", 1, false},
+    Unit{Dimension::kPower, "W", 1},
+    Unit{Dimension::kPower, "kW", 1e3},
 };
 
 }  // namespace

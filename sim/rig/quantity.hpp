@@ -9,9 +9,20 @@
 
 namespace vinv::rig {
 
-enum class Dimension { kFrequency, kTorque, kInertia, kVoltage, kCurrent, kTime, kFraction, kTemperature };
+enum class Dimension {
+  kFrequency,
+  kTorque,
+  kInertia,
+  kVoltage,
+  kCurrent,
+  kTime,
+  kFraction,
+  kTemperature,
+  kSpeed,
+  kPower,
+};
 
-// Value in the dimension's own unit: Hz, Nm, kg m2, V, mA, s, a fraction of 1, degrees Celsius.
+// Value in the dimension's own unit: Hz, Nm, kg m2, V, mA, s, a fraction of 1, degrees Celsius, rpm, W.
 // The error is a sentence with the units that are allowed.
 Result<double, std::string> parse_quantity(std::string_view text, Dimension dimension);
 

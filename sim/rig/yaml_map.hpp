@@ -43,6 +43,9 @@ std::optional<long> read_integer(const YAML::Node& node, std::string_view what, 
 std::optional<bool> read_switch(const YAML::Node& node, std::string_view what, Problems& problems);
 std::optional<std::string> read_text(const YAML::Node& node, std::string_view what, Problems& problems);
 
+// A plant inside another document (a scenario's `plant:`), with the keys of a plant file. path: of that document.
+PlantFile parse_plant_node(const YAML::Node& node, const std::string& path, const Catalogue& catalogue);
+
 class YamlMap {
  public:
   // where: how messages call this mapping ("load of conveyor_1"). keys: the allowed ones; nullptr: any, checked by the

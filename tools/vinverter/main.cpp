@@ -24,6 +24,7 @@ Examples:
   vinverter ctl conveyor_1 terminal STF=on      switch a control terminal
   vinverter ctl conveyor_1 load torque 9 Nm     load the motor
   vinverter ctl conveyor_1 watch                its values, each second
+  vinverter scenario run scenarios/fr-e500      scripted stories with checks, in virtual time
   vinverter params fr-e500 brake                parameters whose number, name or effect says "brake"
   vinverter doctor                              what works on this machine
 
@@ -52,6 +53,7 @@ int main(int argc, char** argv) {
   int exit_code = tools::kDone;
   tools::add_run(app, exit_code);
   tools::add_ctl(app, exit_code);
+  tools::add_scenario(app, exit_code);
   tools::add_doctor(app, exit_code);
   tools::add_params(app, exit_code);
   app.add_subcommand("schema", "Print the JSON Schema of plant files")->callback([] {

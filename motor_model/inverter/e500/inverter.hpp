@@ -42,6 +42,7 @@ class E500Inverter final : public Inverter, private port::DrivePort {
 
   Outcome press_key(PanelKey key) override;
   Outcome set_panel_frequency(double hz) override;
+  Outcome set_reference(double hz) override;
   std::string display() const override;
   Outcome set_terminal(std::string_view terminal, bool on) override;
   Outcome set_analog(std::string_view terminal, double value) override;

@@ -2,6 +2,7 @@
 // OI-FR-E5NCO manual 8.7.4 to 8.7.8; Pr.338, 339 and the assignment Pr.180-183 typical for the family.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/e500/multi_speed.hpp"
@@ -181,6 +182,34 @@ double E500Inverter::set_frequency(const Inputs& inputs) {
   v_.pid.reset();
   if (remote == 0 || v_.mode == OperationMode::kPu) return main_hz;
   return main_hz + remote_frequency(inputs, main_hz);
+}
+
+Outcome E500Inverter::set_reference(double hz) {
+  const bool panel_sets = v_.mode == OperationMode::kPu || v_.mode == OperationMode::kCombined1;
+  if (panel_sets) return set_panel_frequency(hz);
+  if (v_.mode == OperationMode::kNetwork && store_.integer(pr::kSpeedRight) == 0)
+    return Unexpected(std::string("the network master sets the speed; ") + mode_sentence());
+  if (store_.integer(pr::kPidAction) != 0)
+    return Unexpected(
+        std::string("with PID control (Pr.128) the input is a set point, not a frequency: set it by analog"));
+  const bool current = wired_signals().has(InputSignal::kAu);
+  const unsigned bias = current ? pr::kCurrentBias : pr::kVoltageBias;
+  const unsigned gain = current ? pr::kCurrentGain : pr::kVoltageGain;
+  const double span_hz = store_.value(gain, 1) - store_.value(bias, 1);
+  const double span_percent = store_.value(gain, 2) - store_.value(bias, 2);
+  // Inverse of AnalogLine; the input ends at 100 %.
+  const double percent =
+      span_hz != 0 ? store_.value(bias, 2) + (hz - store_.value(bias, 1)) / span_hz * span_percent : -1;
+  if (!(percent >= 0 && percent <= 100)) {
+    const AnalogLine line{store_.value(bias, 2), store_.value(bias, 1), store_.value(gain, 2), store_.value(gain, 1)};
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "terminal %s gives %.2f to %.2f Hz with its calibration (Pr.%u, Pr.%u), not %.2f Hz",
+                  current ? "4" : "2", line.frequency(0), line.frequency(100), bias, gain, hz);
+    return Unexpected(std::string(text));
+  }
+  if (current) return set_analog("4", percent / 100 * 20);
+  return set_analog("2", percent / 100 * (store_.integer(pr::kVoltageRange) == 0 ? 5 : 10));
 }
 
 double E500Inverter::remote_frequency(const Inputs& inputs, double main_hz) {
