@@ -82,11 +82,15 @@ void CanLine::plug(Instant now, std::size_t controller, bool plugged) {
 }
 
 void CanLine::set_fault(const transports::CanFaultRule& rule) {
-  std::erase_if(faults_, [&](const auto& r) {
-    return r.fault == rule.fault && r.node == rule.node && r.id == rule.id && r.mask == rule.mask;
+  const auto replaced = std::erase_if(faults_, [&](const auto& r) {
+    return r.fault == rule.fault && r.node == rule.node && r.not_nodes == rule.not_nodes && r.id == rule.id &&
+           r.mask == rule.mask;
   });
-  if (rule.when.probability > 0) faults_.push_back(rule);
-  bus_.set_faults({.seed = 1, .rules = faults_});
+  if (rule.when.acts()) faults_.push_back(rule);
+  if (replaced > 0)
+    bus_.set_faults({.seed = 1, .rules = faults_});
+  else if (rule.when.acts())
+    bus_.add_fault(rule);
 }
 
 void CanLine::clear_faults() {

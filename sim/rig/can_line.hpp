@@ -37,7 +37,7 @@ class CanLine {
   bool plugged(std::size_t controller) const { return controllers_[controller]->plugged; }
 
   // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
-  // one that never acts (probability 0) only removes that.
+  // one that never acts only removes that.
   void set_fault(const transports::CanFaultRule& rule);
   void clear_faults();
   const std::vector<transports::CanFaultRule>& faults() const { return faults_; }

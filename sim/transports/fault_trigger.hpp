@@ -17,6 +17,7 @@ struct FaultTrigger {
   Instant from{};           // frames before it are not looked at
   Instant until = kForever;
 
+  bool acts() const { return nth != 0 || every != 0 || probability > 0; }
   static FaultTrigger only(std::uint64_t number) {
     FaultTrigger t;
     t.nth = number;

@@ -196,5 +196,52 @@ TEST(FaultInjector, DestroyedInItsHandlerOrWithDelayedBytesItStaysQuiet) {
   EXPECT_EQ(b.at_peer, "0:<closed by the peer> ");
 }
 
+TEST(FaultInjector, AReorderedPieceGoesBehindTheNextOrWhenItsTimeIsOver) {
+  Bench b({.rules = {nth(Fault::kReorder, 1, milliseconds(100)), nth(Fault::kReorder, 3, milliseconds(100))}});
+  b.run(3);
+  EXPECT_EQ(b.at_peer, "20:s2 20:s1 130:s3 ");
+}
+
+TEST(FaultInjector, AHeldPieceComesBeforeTheEnd) {
+  FaultRule rule = nth(Fault::kReorder, 1, milliseconds(100));
+  rule.direction = Direction::kReceive;
+  Bench b({.rules = {rule}});
+  b.peer->send(b.scheduler.now(), bytes_of("r1"));
+  b.peer->close();
+  b.run(0);
+  EXPECT_EQ(b.at_us, "0:r1 0:<closed by the peer> ");
+}
+
+TEST(FaultInjector, AHalfOpenStreamIsSilentAndTellsNoEnd) {
+  Bench b({});
+  b.run(1);
+  b.faulty->handle().half_open();
+  b.faulty->send(b.scheduler.now(), bytes_of("s2"));
+  b.peer->send(b.scheduler.now(), bytes_of("r2"));
+  b.run(0);
+  b.peer->close();
+  b.scheduler.run_until(at_ms(20'000));
+  EXPECT_EQ(b.at_peer, "10:s1 ");
+  EXPECT_EQ(b.at_us, "10:r1 ");
+}
+
+TEST(FaultInjector, RulesThatComeLaterCountFromThen) {
+  Bench b({});
+  b.run(2);
+  const FaultInjector::Handle handle = b.faulty->handle();
+  handle.add(nth(Fault::kDrop, 1));
+  for (const char* text : {"a", "b"}) b.faulty->send(b.scheduler.now(), bytes_of(text));
+  handle.clear();
+  handle.add(nth(Fault::kGarble, 1));
+  b.faulty->send(b.scheduler.now(), bytes_of("cdefgh"));
+  b.scheduler.run_until(at_ms(20'000));
+  EXPECT_TRUE(b.at_peer.starts_with("10:s1 20:s2 10000:b 10000:")) << b.at_peer;
+  EXPECT_EQ(b.at_peer.find("cdefgh"), std::string::npos);
+  EXPECT_EQ(b.faulty->injected(), 2u);
+  b.faulty.reset();
+  EXPECT_FALSE(handle.alive());
+  handle.add(nth(Fault::kDrop, 1));
+}
+
 }  // namespace
 }  // namespace vinv::transports
