@@ -300,6 +300,11 @@ Json wire_faults(Plant& plant, DriveUnit& drive, const Json& value) {
     for (const char* alone : {"unplugged", "plugged", "half_open", "none"})
       if (map.contains(alone))
         invalid(std::string(alone) + " stands alone, as in: vinverter ctl conveyor_1 wire " + alone + ".");
+    const bool chosen = map.contains("nth") || map.contains("every") || map.contains("id");
+    for (const char* now : {"bus_off", "error_frame"})
+      if (map.contains(now) && is_bare(map[now]) && !chosen)
+        invalid(std::string(now) + " stands alone, as in: vinverter ctl conveyor_1 wire " + now +
+                "; as a fault that lasts it takes a share of the frames, on, nth or every.");
     bool takes_share = false;
     std::vector<const FaultWord*> faults;
     for (const FaultWord& f : kFaults) {
