@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the support tables of the user pages from the data files that the program itself uses.
+"""Writes the support tables of the user pages from the data files that the program itself uses; what is behaviour and
+no table of the program (services of a board) has a data file beside the page.
 
 A page says where a table goes:
 
@@ -11,7 +12,7 @@ usage: support_table.py [--check] [--root FOLDER]
   --check   change nothing; exit 1 if a page is behind its data file
 
 Either way exit 1 if a row names a test that does not exist, or a row that must be proven names none: every register,
-alarm and terminal function, and every parameter that acts; its test must mention it. A parameter that does not act says
+object, emergency code, service, alarm and terminal function, and every parameter that acts; its test must mention it. A parameter that does not act says
 why ("Nothing: ...").
 """
 import argparse
@@ -158,7 +159,11 @@ TABLES = {
         [("Alarm", column("alarm")), ("Data code (byte 4)", lambda row: row["data_code_hex"] + "H"),
          ("Error code", lambda row: row["error_code_hex"] + "H"),
          ("Error register", lambda row: row["error_register_hex"] + "H"), ("Manual section", column("section")),
-         ("Confidence", column("confidence"))], lambda row, tests: []),
+         ("Confidence", column("confidence")), ("Test", tests_column)], must_have_test(column("alarm"))),
+    "oi-fr-e5nco-services": (
+        "docs/boards/oi-fr-e5nco-services.csv",
+        [("Manual section", column("section")), ("Service", column("service")), ("Here", column("behaviour")),
+         ("Confidence", column("confidence")), ("Test", tests_column)], must_have_test(column("service"))),
     "fr-e500-parameters": (
         "motor_model/families/mitsubishi_e500/parameters.csv",
         [("Parameter", parameter_number), ("Name", column("name")), ("Range", parameter_range),

@@ -32,7 +32,7 @@ inline constexpr std::uint32_t kGuardCobId = 0x700;       // + node
 
 // COB-IDs that no SYNC, EMCY or PDO may have.
 constexpr bool is_restricted(std::uint32_t cob_id) {
-  return cob_id == 0 || (cob_id >= 0x101 && cob_id <= 0x180) || (cob_id >= 0x581 && cob_id <= 0x5ff) ||
+  return cob_id <= 1 || (cob_id >= 0x101 && cob_id <= 0x180) || (cob_id >= 0x581 && cob_id <= 0x5ff) ||
          (cob_id >= 0x601 && cob_id <= 0x67f) || cob_id == 0x6e0 || cob_id >= 0x701;
 }
 

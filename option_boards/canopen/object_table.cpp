@@ -1,10 +1,10 @@
 #include "option_boards/canopen/object_table.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "sim/base/check.hpp"
+#include "sim/base/table_text.hpp"
 
 namespace vinv::canopen {
 namespace {
@@ -39,26 +39,6 @@ constexpr std::array<TypeName, 6> kTypes{{
     {"VISIBLE_STRING", DataType::kVisibleString4, 0, 0xffffffff},
 }};
 
-std::string_view take_until(std::string_view& text, char delimiter) {
-  const std::size_t end = std::min(text.find(delimiter), text.size());
-  const std::string_view taken = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return taken;
-}
-
-// An empty field is the fallback; 0x in front makes a decimal field hexadecimal.
-std::int64_t number(std::string_view field, std::int64_t fallback, int base = 10) {
-  if (field.empty()) return fallback;
-  if (field.starts_with("0x")) {
-    field.remove_prefix(2);
-    base = 16;
-  }
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value, base);
-  VINV_CHECK(error == std::errc{} && end == field.data() + field.size());
-  return value;
-}
-
 std::uint32_t raw_text(std::string_view text) {
   VINV_CHECK(text.size() == size_of(DataType::kVisibleString4));
   std::uint32_t raw = 0;
@@ -82,27 +62,26 @@ ObjectRow parse_row(std::string_view line, std::span<const std::string_view> app
   VINV_CHECK(field[kAccess] == "RO" || field[kAccess] == "WO" || field[kAccess] == "RW");
   VINV_CHECK(field[kPdo].find_first_not_of("rt") == std::string_view::npos);
   ObjectRow row;
-  row.first = static_cast<std::uint16_t>(number(field[kFirst], 0, 16));
-  row.last = static_cast<std::uint16_t>(number(field[kLast], row.first, 16));
-  row.first_sub = static_cast<std::uint8_t>(number(field[kSubFirst], 0));
-  row.last_sub = static_cast<std::uint8_t>(number(field[kSubLast], row.first_sub));
+  row.first = number_of_field<std::uint16_t>(field[kFirst], 0, 16);
+  row.last = number_of_field(field[kLast], row.first, 16);
+  row.first_sub = number_of_field<std::uint8_t>(field[kSubFirst], 0);
+  row.last_sub = number_of_field(field[kSubLast], row.first_sub);
   row.type = type->type;
   row.readable = field[kAccess] != "WO";
   row.writable = field[kAccess] != "RO";
   row.in_rpdo = field[kPdo].find('r') != std::string_view::npos;
   row.in_tpdo = field[kPdo].find('t') != std::string_view::npos;
   row.item = item_number(field[kItem], application_items);
-  row.argument = static_cast<std::uint32_t>(number(field[kArgument], 0));
-  row.min = number(field[kMin], type->min);
-  row.max = number(field[kMax], type->max);
+  row.argument = number_of_field<std::uint32_t>(field[kArgument], 0);
+  row.min = number_of_field(field[kMin], type->min);
+  row.max = number_of_field(field[kMax], type->max);
   constexpr std::string_view kNodePrefix = "$NODEID+";
   std::string_view text = field[kDefault];
   if (text.starts_with(kNodePrefix)) {
     row.default_adds_node = true;
     text.remove_prefix(kNodePrefix.size());
   }
-  row.raw_default =
-      row.type == DataType::kVisibleString4 ? raw_text(text) : static_cast<std::uint32_t>(number(text, 0));
+  row.raw_default = row.type == DataType::kVisibleString4 ? raw_text(text) : number_of_field<std::uint32_t>(text, 0);
   VINV_CHECK(row.first <= row.last && row.first_sub <= row.last_sub);
   return row;
 }

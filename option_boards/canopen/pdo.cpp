@@ -18,7 +18,8 @@ Result<MappedObject, AbortCode> resolve_mapping(const ObjectTable& table, PdoDir
   // A data type's value is its own length in bits.
   const std::uint32_t bits_of_object = index <= kLastDataType ? row->raw_default : 8 * size_of(row->type);
   if (!mappable || bits != bits_of_object) return Unexpected(AbortCode::kNotMappable);
-  return MappedObject{row, index, sub, static_cast<std::uint8_t>(bits / 8)};
+  const auto position = static_cast<std::uint16_t>(row - table.rows().data());
+  return MappedObject{position, index, sub, static_cast<std::uint8_t>(bits / 8)};
 }
 
 }  // namespace vinv::canopen

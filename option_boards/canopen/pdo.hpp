@@ -37,7 +37,7 @@ constexpr bool is_transmission_type(PdoDirection direction, std::uint8_t type) {
 }
 
 struct MappedObject {
-  const ObjectRow* row = nullptr;
+  std::uint16_t row = 0;  // position in the table
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
   std::uint8_t size = 0;  // bytes

@@ -2,6 +2,7 @@
 #include "option_boards/canopen/slave.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "sim/base/check.hpp"
@@ -22,7 +23,10 @@ void Slave::start(Instant now, std::uint8_t node) {
   enter(now, NmtState::kPreOperational);
 }
 
-void Slave::stop() { state_ = State{}; }
+void Slave::stop() {
+  static_assert(std::is_trivially_copyable_v<State>);  // so that a copy of it is a snapshot
+  state_ = State{};
+}
 
 // All that DS-301 calls the communication profile area goes back to its power-on values; the node boots.
 void Slave::reset_communication() {
@@ -91,7 +95,6 @@ void Slave::enter(Instant now, NmtState next) {
   if (next == NmtState::kOperational) {
     start_pdos(now);
   } else {
-    for (Rpdo& rpdo : state_.rpdos) rpdo.buffered = false;
     for (Tpdo& tpdo : state_.tpdos) tpdo.transmit = false;
   }
   if (next == NmtState::kStopped) {

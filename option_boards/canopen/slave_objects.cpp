@@ -30,6 +30,12 @@ struct PdoObject {
   std::size_t pdo;
 };
 
+// The identifier of an object that exists must not change; taking the object away and giving it another identifier
+// may be one step.
+bool moves_while_valid(std::uint32_t before, std::uint32_t after) {
+  return ((before | after) & kCobIdInvalid) == 0 && ((before ^ after) & kCobIdMask) != 0;
+}
+
 // Empty: not an object of a PDO.
 std::optional<PdoObject> pdo_object(std::uint16_t index) {
   if (index < kRpdoCommunication || index >= kPastTpdoMapping) return std::nullopt;
@@ -106,9 +112,10 @@ WriteResult Slave::write_communication(Instant now, std::uint16_t index, std::ui
       state_.sync_cob_id = value;
       return {};
     case kCobIdEmergency:
-      // Unspecified: whether a valid identifier may be exchanged for another in one step. It may.
       if (!is_cob_id(value, kCobIdInvalid)) return Unexpected(AbortCode::kValueRange);
+      if (moves_while_valid(state_.emergency_cob_id, value)) return Unexpected(AbortCode::kDeviceState);
       state_.emergency_cob_id = value;
+      if ((value & kCobIdInvalid) != 0) state_.emergencies = {};
       return {};
     case kGuardTime:
     case kLifeTimeFactor:
@@ -137,9 +144,7 @@ WriteResult Slave::write_pdo_communication(Instant now, PdoDirection direction, 
   switch (sub) {
     case kCobId: {
       if (!is_cob_id(value, kCobIdInvalid | kCobIdNoRtr)) return Unexpected(AbortCode::kValueRange);
-      // Bits 0-29 must not change while the PDO exists; taking it away and giving it another identifier is one step.
-      const bool stays_valid = s.valid() && (value & kCobIdInvalid) == 0;
-      if (stays_valid && ((value ^ s.cob_id) & kCobIdMask) != 0) return Unexpected(AbortCode::kDeviceState);
+      if (moves_while_valid(s.cob_id, value)) return Unexpected(AbortCode::kDeviceState);
       s.cob_id = value;
       break;
     }
@@ -176,7 +181,8 @@ WriteResult Slave::write_pdo_mapping(PdoDirection direction, std::size_t pdo, st
   if (value != 0) {  // 0 empties the entry
     const auto object = resolve_mapping(table_, direction, value);
     if (!object) return Unexpected(object.error());
-    if (object->row->item >= kFirstApplicationItem && !application_.exists(*object->row, object->index)) {
+    const ObjectRow& row = table_.rows()[object->row];
+    if (row.item >= kFirstApplicationItem && !application_.exists(row, object->index)) {
       return Unexpected(AbortCode::kNoSuchObject);
     }
   }

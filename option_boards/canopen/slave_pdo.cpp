@@ -71,8 +71,9 @@ void Slave::apply(Instant now, const Rpdo& rpdo) {
     std::uint32_t raw = 0;
     for (std::size_t n = object.size; n-- > 0;) raw = raw << 8 | rpdo.data[at + n];
     at += object.size;
-    if (object.row->item < kFirstApplicationItem) continue;  // a dummy entry
-    application_.write(now, Origin::kPdo, *object.row, object.index, object.sub, raw);
+    const ObjectRow& row = table_.rows()[object.row];
+    if (row.item < kFirstApplicationItem) continue;  // a dummy entry
+    application_.write(now, Origin::kPdo, row, object.index, object.sub, raw);
   }
 }
 
@@ -100,7 +101,7 @@ std::array<std::uint8_t, kMaxPdoLength> Slave::sample(const PdoSettings& setting
   for (std::size_t i = 0; i < settings.mapped; ++i) {
     const MappedObject& object = settings.objects[i];
     // What cannot be read now (start-up, reset) is sent as 0.
-    std::uint32_t raw = read(*object.row, object.index, object.sub).value_or(0u);
+    std::uint32_t raw = read(table_.rows()[object.row], object.index, object.sub).value_or(0u);
     for (unsigned n = 0; n < object.size; ++n, raw >>= 8) data[at++] = static_cast<std::uint8_t>(raw);
   }
   return data;

@@ -30,8 +30,8 @@ SilentIntervals silent_intervals(std::uint32_t baud, unsigned bits_per_character
 
 void RtuServer::start(Instant now, const Settings& settings) {
   stop();
-  settings_ = settings;
-  silence_ = silent_intervals(settings.baud, settings.bits_per_character);
+  state_.settings = settings;
+  state_.silence = silent_intervals(settings.baud, settings.bits_per_character);
   // Whatever is on the line now may be the rest of a frame.
   state_.open = true;
   state_.receiving = true;
@@ -44,7 +44,9 @@ void RtuServer::stop() {
   state_ = State{};
 }
 
-Instant RtuServer::frame_ends_at() const { return state_.last_character_at + silence_.t3_5 + settings_.receive_slack; }
+Instant RtuServer::frame_ends_at() const {
+  return state_.last_character_at + state_.silence.t3_5 + state_.settings.receive_slack;
+}
 
 void RtuServer::handle_bytes(Instant now, ByteView bytes, bool line_error) {
   if (!state_.open || (bytes.empty() && !line_error)) return;
@@ -54,9 +56,9 @@ void RtuServer::handle_bytes(Instant now, ByteView bytes, bool line_error) {
     state_.length = 0;
     state_.discard = state_.transaction != Transaction::kNone;
   } else if (!bytes.empty()) {
-    const auto reception = silence_.character * static_cast<std::int64_t>(bytes.size() - 1);
+    const auto reception = state_.silence.character * static_cast<std::int64_t>(bytes.size() - 1);
     const Duration gap = now - state_.last_character_at - reception;
-    if (gap > silence_.t1_5 + settings_.receive_slack) state_.discard = true;
+    if (gap > state_.silence.t1_5 + state_.settings.receive_slack) state_.discard = true;
   }
   const std::size_t room = kMaxFrame - state_.length;
   if (line_error || bytes.size() > room) state_.discard = true;
@@ -113,7 +115,7 @@ std::optional<Bytes> RtuServer::poll_transmit(Instant now) {
       state_.answer.push_back(state_.unit_address);
       state_.answer.insert(state_.answer.end(), pdu->begin(), pdu->end());
       append_le16(state_.answer, crc16(state_.answer));
-      state_.answer_at = now + settings_.answer_delay;
+      state_.answer_at = now + state_.settings.answer_delay;
       state_.transaction = Transaction::kAnswering;
     } else if (!listens || !unit.has_request(client_)) {
       unit.forget(client_);

@@ -63,6 +63,8 @@ class RtuServer {
 
   struct State {
     bool open = false;
+    Settings settings;
+    SilentIntervals silence;
     bool receiving = false;  // characters came and the 3.5 characters of silence are not over
     bool discard = false;    // the frame being received will not be used
     std::size_t length = 0;
@@ -81,8 +83,6 @@ class RtuServer {
 
   ClientId client_;
   std::vector<Unit*> units_;
-  Settings settings_;
-  SilentIntervals silence_;
   State state_;
 };
 

@@ -24,6 +24,11 @@ CanBusOptions bus_options(const CanNetwork& network) {
 
 CanLine::CanLine(kernel::Scheduler& scheduler, const CanNetwork& network) : bus_(scheduler, bus_options(network)) {}
 
+// The boards hear nothing of the end.
+CanLine::~CanLine() {
+  for (const auto& c : controllers_) c->node->set_handlers({});
+}
+
 std::size_t CanLine::add(Instant now, boards::CanChannel& channel, const std::string& name, OnTraffic on_traffic) {
   auto made = std::make_unique<Controller>();
   Controller* const c = made.get();

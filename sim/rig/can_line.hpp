@@ -21,6 +21,9 @@ class CanLine {
 
   // The scheduler outlives the line.
   CanLine(kernel::Scheduler& scheduler, const CanNetwork& network);
+  ~CanLine();
+  CanLine(const CanLine&) = delete;
+  CanLine& operator=(const CanLine&) = delete;
 
   // A board's controller. Something has gone in or out: the owner then settles the board.
   using OnTraffic = std::function<void(Instant now)>;

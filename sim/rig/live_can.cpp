@@ -113,9 +113,13 @@ void LiveCan::serve_socketcand(std::size_t bus) {
   }
   auto server =
       transports::SocketcandServer::open(loop_, {net.socketcand->host, net.socketcand->port}, std::move(options));
-  if (!server)
-    refuse(net.socketcand->at.line > 0 ? net.socketcand->at : net.at, net, server.error(),
-           "another address or port for socketcand (port 0 picks a free one), or none.");
+  if (!server) {
+    const bool is_default = net.socketcand->at.line == 0;
+    refuse(is_default ? net.at : net.socketcand->at, net, server.error(),
+           std::string("another address or port for socketcand (port 0 picks a free one), or none") +
+               (is_default ? ", as in networks: { " + net.name + ": { can: virtual, socketcand: \"127.0.0.1:0\" } }."
+                           : "."));
+  }
   for (const std::size_t i : served) {
     endpoints_[i].socketcand = host_port((*server)->host(), (*server)->port());
     endpoints_[i].channel = networks[i].channel;

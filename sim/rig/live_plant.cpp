@@ -38,7 +38,7 @@ transports::LineSettings transport_settings(const boards::LineSettings& s) {
 double kilobit(std::uint32_t bitrate) { return bitrate / 1000.0; }
 
 // How a person reaches the node: reads its device type (1000H), or listens.
-std::string can_table(const DriveUnit& d) {
+std::string can_table(const DriveUnit& d, bool bus_is_ours) {
   const CanEndpoint& can = *d.can;
   const unsigned node = d.can_node();
   std::string out = fmt::format("  CANopen     node {}, {} kbit/s\n", node, kilobit(can.bitrate));
@@ -67,7 +67,7 @@ std::string can_table(const DriveUnit& d) {
     python("udp_multicast " + can.udp_multicast,
            fmt::format("interface='udp_multicast',channel='{}'", can.udp_multicast));
   const std::uint32_t own = d.board->can_channel()->bit_rate();
-  if (own != 0 && own != can.bitrate)
+  if (bus_is_ours && own != 0 && own != can.bitrate)
     out += fmt::format("              the board is set to {} kbit/s and cannot communicate\n", kilobit(own));
   return out;
 }
@@ -254,7 +254,7 @@ std::string LivePlant::table() const {
           "1 -t 4 -1 {}\n",
           d->serial->path, d->unit(), line.baud, parity, line.baud, parity, d->unit(), d->serial->path);
     }
-    if (d->can) out += can_table(*d);
+    if (d->can) out += can_table(*d, plant_->file().can[*d->spec.board->can].kind == CanNetwork::Kind::kVirtual);
     if (!d->board) out += "  no option board\n";
   }
   return out;

@@ -113,13 +113,15 @@ class Plant:
         return next(e for e in entry["endpoints"] if e["protocol"] == protocol)
 
     def ctl(self, drive, command, *words):
-        """One command on the control socket (JSON-RPC 2.0, one line each), in the words of `vinverter ctl`."""
+        """One command on the control socket (JSON-RPC 2.0, one line each), in the words of `vinverter ctl`. drive: None for
+        a command to the plant."""
         if not self.control:
             with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
                 connection.settimeout(30)
                 connection.connect(self.ready["control"])
                 self.control = connection.makefile("rw", encoding="utf-8", newline="\n")
-        request = {"jsonrpc": "2.0", "id": 1, "method": command, "params": {"drive": drive, "words": words}}
+        params = {"drive": drive, "words": words} if drive else {}
+        request = {"jsonrpc": "2.0", "id": 1, "method": command, "params": params}
         self.control.write(json.dumps(request) + "\n")
         self.control.flush()
         answer = json.loads(self.control.readline())

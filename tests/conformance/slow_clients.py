@@ -6,7 +6,8 @@ import time
 from drip import Drip
 from masters import Pymodbus
 from plant import Plant
-from story import COMMAND, DRIVE, FORWARD, FREQUENCY, LIVE_TOLERANCE, NET, PLANT, parameter, sample_ramp, slope
+from ramp import slope
+from story import COMMAND, DRIVE, FORWARD, FREQUENCY, LIVE_TOLERANCE, NET, PLANT, parameter, sample_ramp
 
 REQUESTS = 200
 # A server that waited for any of the others would take a second and more.

@@ -10,6 +10,7 @@ import time
 from drip import Drip
 from masters import MASTERS, ModbusException, Silence
 from plant import Plant, wait_until
+from ramp import slope
 from recording import check_recording
 
 PLANT = """
@@ -72,15 +73,6 @@ def sample_ramp(master, target, timeout):
         assert samples[-1][0] < deadline, f"{target} Hz not within {timeout} s: {samples[-5:]}"
         time.sleep(0.005)
     return samples
-
-
-def slope(samples, low, high):
-    """Least-squares slope of the samples with low <= value <= high."""
-    inside = [(t, v) for t, v in samples if low <= v <= high]
-    assert len(inside) >= 8, f"only {len(inside)} samples between {low} and {high}: {samples}"
-    mean_t = sum(t for t, _ in inside) / len(inside)
-    mean_v = sum(v for _, v in inside) / len(inside)
-    return sum((t - mean_t) * (v - mean_v) for t, v in inside) / sum((t - mean_t) ** 2 for t, _ in inside)
 
 
 def refusals(m):

@@ -24,8 +24,8 @@ std::optional<std::uint32_t> read_startup_parameter(const port::DrivePort& drive
 }  // namespace
 
 Board::Board(port::DrivePort& drive, AddressSwitches switches)
-    : modbus_port_(drive, mailbox_owner_, MailboxUser::kModbus),
-      canopen_port_(drive, mailbox_owner_, MailboxUser::kCanopen),
+    : modbus_port_(drive, state_.mailbox, MailboxUser::kModbus),
+      canopen_port_(drive, state_.mailbox, MailboxUser::kCanopen),
       drive_(drive),
       unit_(modbus_port_),
       canopen_(canopen_port_) {
@@ -42,6 +42,7 @@ void Board::handle_power(Instant now, bool on) {
     unit_.set_address(0);
     rtu_.stop();
     canopen_.stop();
+    state_.mailbox.waiting = {};
     return;
   }
   state_.supply = Supply::kStarting;
@@ -72,6 +73,7 @@ void Board::open_line(Instant now) {
 
 void Board::handle_drive_tick(Instant now) {
   unit_.handle_drive_tick();
+  if (const auto asked_at = unit_.take_mode_request()) canopen_.on_mode_of_other_master(*asked_at);
   canopen_.handle_drive_tick(now);
   if (state_.supply == Supply::kStarting) start(now);
   if (state_.supply != Supply::kOn) return;

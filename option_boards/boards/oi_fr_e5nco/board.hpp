@@ -2,7 +2,7 @@
 // OI-FR-E5NCO manual: 2.3 address switches, 2.4 LED, 5.1 start-up parameters, 6 and 7 CANopen, 8 Modbus.
 //
 // Both sides work at the same time; each sees what the other did to the inverter, and the last command counts. The
-// inverter has one write mailbox for both (mailbox_share.hpp).
+// inverter has one write mailbox for both; they take turns (mailbox_share.hpp).
 // Switches, Pr.345 and Pr.346 count at power-on, and not again before the next. Pr.347 counts at power-on and after an
 // inverter reset. Unspecified: the manual gives no moment for Pr.347; the inverter takes its communication parameters
 // so.
@@ -59,16 +59,16 @@ class Board final : public OptionBoard, private SerialChannel {
     AddressSwitches sampled_switches;  // as they stood at power-on
     SerialSetup serial;
     Duration receive_slack{};
+    Mailbox mailbox;
   };
 
-  MailboxUser mailbox_owner_ = MailboxUser::kNobody;
+  State state_;
   MailboxShare modbus_port_;
   MailboxShare canopen_port_;
   port::DrivePort& drive_;
   ModbusUnit unit_;
   CanopenUnit canopen_;
   modbus::RtuServer rtu_{modbus::kSerialLineClient};
-  State state_;
 };
 
 }  // namespace vinv::boards::oi_fr_e5nco

@@ -38,11 +38,10 @@ constexpr std::array<std::string_view, 19> kItemNames{"status_register",
                                                       "delta_time",
                                                       "mode_of_operation"};
 
-constexpr std::uint32_t kMaxWord = 0xffff;
 constexpr std::uint32_t kRaw9999 = 0xffff;
 constexpr std::uint32_t kLoadSignature = 0x64616f6c;  // "load", the first character lowest
 constexpr std::uint32_t kRestoresOnCommand = 1;
-constexpr std::uint16_t kPoles = 144, kTimeIncrements = 21, kSecondRampTime = 44, kSecondDecelerationTime = 45;
+constexpr std::uint16_t kTimeIncrements = 21, kSecondRampTime = 44, kSecondDecelerationTime = 45;
 
 port::ParameterId parameter_of(const ObjectRow& row, std::uint16_t index, std::uint8_t sub) {
   return {static_cast<std::uint16_t>(row.argument + (index - row.first)), sub};
@@ -61,12 +60,10 @@ bool CanopenUnit::exists(const ObjectRow& row, std::uint16_t index) const {
   return value || value.error() != Refusal::kNoSuchItem;
 }
 
-std::uint32_t CanopenUnit::poles() const { return poles_of(drive_.read_parameter({kPoles, 0}).value_or(0u)); }
-
 // By output direction.
 std::int16_t CanopenUnit::velocity_rpm() const {
   constexpr std::uint16_t kMostRpm = 0x7fff;
-  const std::uint16_t rpm = rpm_of_raw_frequency(drive_.read_monitor(1).value_or(std::uint16_t{0}), poles());
+  const std::uint16_t rpm = rpm_of_raw_frequency(drive_.read_monitor(1).value_or(std::uint16_t{0}), poles_of(drive_));
   const auto magnitude = static_cast<std::int16_t>(std::min(rpm, kMostRpm));
   return drive_.status().reverse ? static_cast<std::int16_t>(-magnitude) : magnitude;
 }
@@ -101,6 +98,7 @@ Result<std::uint32_t, AbortCode> CanopenUnit::read(const ObjectRow& row, std::ui
       return state_.profile.statusword({.alarm = status.alarm,
                                         .ready = drive_.ready(),
                                         .network_mode = drive_.operation_mode() == port::OperationMode::kNetwork,
+                                        .running = status.running,
                                         .up_to_frequency = status.up_to_frequency,
                                         .overload = status.overload});
     }
@@ -110,10 +108,7 @@ Result<std::uint32_t, AbortCode> CanopenUnit::read(const ObjectRow& row, std::ui
   switch (row.item) {
     case kStatusRegister:
     case kCommand: return raw_status(drive_.status());
-    case kAlarms: {
-      const std::size_t newer = std::size_t{2} * (index - row.first);
-      return static_cast<std::uint32_t>(state_.history.at(newer) | state_.history.at(newer + 1) << 8);
-    }
+    case kAlarms: return raw_alarm_pair(state_.history, static_cast<std::size_t>(index - row.first));
     case kMonitor: {
       const auto value = drive_.read_monitor(row.argument);
       if (!value) return Unexpected(abort_code_of(value.error()));
@@ -123,7 +118,7 @@ Result<std::uint32_t, AbortCode> CanopenUnit::read(const ObjectRow& row, std::ui
     case kSpeedRpm: {
       const auto value = drive_.read_monitor(1);
       if (!value) return Unexpected(abort_code_of(value.error()));
-      return row.item == kSpeedHz ? *value : rpm_of_raw_frequency(*value, poles());
+      return row.item == kSpeedHz ? *value : rpm_of_raw_frequency(*value, poles_of(drive_));
     }
     case kVelocity: return static_cast<std::uint16_t>(velocity_rpm());
     case kParameter: {
@@ -135,7 +130,7 @@ Result<std::uint32_t, AbortCode> CanopenUnit::read(const ObjectRow& row, std::ui
     case kFrequencyParameter: {
       const auto value = read_parameter({static_cast<std::uint16_t>(row.argument), 0});
       if (!value) return value;
-      return nearest_rpm_of_raw_frequency(*value, poles());
+      return nearest_rpm_of_raw_frequency(*value, poles_of(drive_));
     }
     case kDeltaTime: return read_delta_time(static_cast<std::uint16_t>(row.argument));
     default: return Unexpected(AbortCode::kWriteOnly);
@@ -161,7 +156,7 @@ std::optional<WriteResult> CanopenUnit::write(Instant /*now*/, Origin origin, co
     case kSpeedHz: return write_word(origin, WriteTopic::kFrequency, {.kind = Kind::kFrequency, .value = raw});
     case kSpeedRpm:
       return write_word(origin, WriteTopic::kFrequency,
-                        {.kind = Kind::kFrequency, .value = raw_frequency_of_rpm(raw, poles())});
+                        {.kind = Kind::kFrequency, .value = raw_frequency_of_rpm(raw, poles_of(drive_))});
     case kSpeedAnalog: return write_word(origin, WriteTopic::kAnalog, {.kind = Kind::kAnalogReference, .value = raw});
     case kAbortOption:
       if (value == 1) return WriteResult(Unexpected(AbortCode::kValueRange));
@@ -170,7 +165,8 @@ std::optional<WriteResult> CanopenUnit::write(Instant /*now*/, Origin origin, co
     case kControlword: return write_controlword(origin, static_cast<std::uint16_t>(raw));
     case kTargetVelocity: return write_target_velocity(origin, static_cast<std::int16_t>(value));
     case kFrequencyParameter:
-      return write_parameter(origin, {static_cast<std::uint16_t>(row.argument), 0}, raw_frequency_of_rpm(raw, poles()));
+      return write_parameter(origin, {static_cast<std::uint16_t>(row.argument), 0},
+                             raw_frequency_of_rpm(raw, poles_of(drive_)));
     case kDeltaTime:
       return write_parameter(origin, {static_cast<std::uint16_t>(row.argument), 0}, raw * increments_per_second());
     case kModeOfOperation: return WriteResult{};

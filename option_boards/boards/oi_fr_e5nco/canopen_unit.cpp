@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <type_traits>
+#include <utility>
 
 #include "option_boards/boards/oi_fr_e5nco/emergency_codes.hpp"
 #include "option_boards/boards/oi_fr_e5nco/words.hpp"
@@ -35,6 +37,7 @@ void CanopenUnit::start(Instant now, std::uint8_t node, std::uint32_t bit_rate) 
 }
 
 void CanopenUnit::stop() {
+  static_assert(std::is_trivially_copyable_v<State>);  // so that a copy of it is a snapshot
   slave_.stop();
   queue_.clear();
   state_ = State{};
@@ -49,6 +52,14 @@ std::string_view CanopenUnit::led() const {
     case NmtState::kStopped: return "red flashing";
     default: return "green flashing";
   }
+}
+
+// 7.4: bus-off, too, is a lost connection to the network.
+void CanopenUnit::set_bus_off(Instant now, bool bus_off) {
+  const bool before = std::exchange(state_.bus_off, bus_off);
+  if (!bus_off || before) return;
+  react_to_abort();
+  pump(now);
 }
 
 void CanopenUnit::handle_frame(Instant now, const CanFrame& frame) {
@@ -78,6 +89,9 @@ void CanopenUnit::handle_drive_tick(Instant now) {
   pump(now);
   if (!state_.supplied) return;
   follow_alarm(now);
+  report_storing();
+  const bool was_ready = std::exchange(state_.inverter_ready, drive_.ready());
+  if (was_ready && !state_.inverter_ready) state_.profile.on_restart();
   state_.profile.follow(state_.alarm_seen != 0, drive_.status().running);
   leave_network(now);
   slave_.handle_new_data(now);
@@ -95,6 +109,11 @@ void CanopenUnit::on_finished(Instant now, const FinishedWrite& write) {
   if (!carried_out) {
     if (job.enables) state_.profile.on_run_refused();
     if (job.target_before) state_.target_velocity = *job.target_before;
+  }
+  if (write.storage_failed) {
+    state_.storing_failed = true;
+  } else if (carried_out && kind == Kind::kParameter) {
+    state_.storing_told = false;
   }
   if (job.origin == WriteOrigin::kSdo) {
     if (!carried_out) {
@@ -153,7 +172,15 @@ void CanopenUnit::follow_alarm(Instant now) {
   if (!state_.alarm_shows_at) state_.history = drive_.alarm_history();
 }
 
-void CanopenUnit::on_nmt_command(Instant /*now*/, NmtCommand command, NmtState before) {
+// The inverter's storage alarm says so itself, unless another alarm hides it.
+void CanopenUnit::report_storing() {
+  if (!std::exchange(state_.storing_failed, false)) return;
+  const bool told = std::exchange(state_.storing_told, true);
+  if (told || state_.alarm_seen == kStorageAlarm) return;
+  send_emergency(emergency_code_of(kStorageAlarm).error_code, kStoringError, 0);
+}
+
+void CanopenUnit::on_nmt_command(Instant now, NmtCommand command, NmtState before) {
   state_.refused = {};
   if (command == NmtCommand::kResetNode || command == NmtCommand::kResetCommunication) {
     state_.guarding_lost = false;
@@ -161,16 +188,16 @@ void CanopenUnit::on_nmt_command(Instant /*now*/, NmtCommand command, NmtState b
   }
   const bool network = drive_.operation_mode() == port::OperationMode::kNetwork;
   if (command == NmtCommand::kStart) {
-    state_.leave_network = false;
+    state_.leaves_since.reset();
     if (network && !queue_.holds(WriteTopic::kMode)) return;
     WriteJob job{.origin = WriteOrigin::kNmt, .topic = WriteTopic::kMode};
     job.add({.kind = Kind::kOperationMode, .value = 1});
-    queue_.put(job);
+    if (!queue_.put(job)) report_refusal(WriteTopic::kMode, {}, Refusal::kBusy, true);
     return;
   }
   // 4.2: any other command takes the network mode away, and the motor must not go on unattended.
   if (before == NmtState::kOperational) react_to_abort();
-  state_.leave_network = true;
+  state_.leaves_since = now;
   state_.leave_next_at.reset();
   if (command == NmtCommand::kResetNode) {
     state_.profile = DriveProfile{};
@@ -180,14 +207,18 @@ void CanopenUnit::on_nmt_command(Instant /*now*/, NmtCommand command, NmtState b
   }
 }
 
+void CanopenUnit::on_mode_of_other_master(Instant asked_at) {
+  if (state_.leaves_since && asked_at >= *state_.leaves_since) state_.leaves_since.reset();
+}
+
 // At standstill with the start signals off; until then, and while the inverter starts up, it waits.
 void CanopenUnit::leave_network(Instant now) {
-  if (!state_.leave_network || !drive_.ready() || queue_.holds(WriteTopic::kMode)) return;
+  if (!state_.leaves_since || !drive_.ready() || queue_.holds(WriteTopic::kMode)) return;
   if (drive_.operation_mode() != port::OperationMode::kNetwork) {
-    state_.leave_network = false;
+    state_.leaves_since.reset();
     return;
   }
-  if (drive_.status().running || drive_.start_signals().bits != 0 || queue_.holds(WriteTopic::kRun)) return;
+  if (drive_.status().running || drive_.start_signals().bits != 0) return;
   if (state_.leave_next_at && now < *state_.leave_next_at) return;
   state_.leave_next_at.reset();
   WriteJob job{.origin = WriteOrigin::kInternal, .topic = WriteTopic::kMode};
@@ -241,7 +272,7 @@ void CanopenUnit::react_to_abort() {
 WriteJob CanopenUnit::run_job() const {
   WriteJob job{.topic = WriteTopic::kRun};
   const auto rpm = static_cast<std::uint32_t>(std::abs(int{state_.target_velocity}));
-  job.add({.kind = Kind::kFrequency, .value = raw_frequency_of_rpm(rpm, poles())});
+  job.add({.kind = Kind::kFrequency, .value = raw_frequency_of_rpm(rpm, poles_of(drive_))});
   port::WriteRequest command{.kind = Kind::kCommand};
   const NetTerminal direction = state_.runs_reverse ? NetTerminal::kStr : NetTerminal::kStf;
   if (!state_.profile.halted()) command.terminals.set(direction, true);

@@ -68,7 +68,9 @@ class CanopenUnit final : public CanChannel, private canopen::Application {
   std::uint8_t node() const override { return slave_.node(); }
   void handle_frame(Instant now, const CanFrame& frame) override;
   std::optional<CanFrame> poll_transmit(Instant now) override { return slave_.poll_transmit(now); }
-  void set_bus_off(Instant /*now*/, bool bus_off) override { state_.bus_off = bus_off; }
+  void set_bus_off(Instant now, bool bus_off) override;
+  // Another master asked for the operation mode, and got it: what NMT asked for before does not count any more.
+  void on_mode_of_other_master(Instant asked_at);
 
  private:
   struct RefusedTopic {
@@ -84,8 +86,11 @@ class CanopenUnit final : public CanChannel, private canopen::Application {
     std::int16_t target_velocity = 0;      // rpm
     bool runs_reverse = false;             // direction of the last target that was not 0
     std::int16_t abort_option = 0;         // 6007H
-    bool leave_network = false;            // an NMT command took the network mode away; done at standstill
+    std::optional<Instant> leaves_since;   // an NMT command took the network mode away; done at standstill
     std::optional<Instant> leave_next_at;  // the last attempt was refused
+    bool inverter_ready = false;           // at the last tick
+    bool storing_failed = false;           // since the last tick
+    bool storing_told = false;             // by an EMCY; until a value has been stored again
     bool guarding_lost = false;
     std::uint8_t short_rpdos = 0;  // bit per RPDO
     std::uint8_t alarm_seen = 0;   // data code of the inverter's alarm now, 0: none
@@ -109,7 +114,6 @@ class CanopenUnit final : public CanChannel, private canopen::Application {
   void on_pdo_fault(Instant now, canopen::PdoFault fault, unsigned pdo) override;
 
   // canopen_objects.cpp
-  std::uint32_t poles() const;
   std::int16_t velocity_rpm() const;
   Result<std::uint32_t, canopen::AbortCode> read_parameter(port::ParameterId id) const;
   Result<std::uint32_t, canopen::AbortCode> read_delta_time(std::uint16_t number) const;
@@ -128,6 +132,7 @@ class CanopenUnit final : public CanChannel, private canopen::Application {
   void pump(Instant now);
   void on_finished(Instant now, const FinishedWrite& write);
   void follow_alarm(Instant now);
+  void report_storing();
   void leave_network(Instant now);
   void react_to_abort();
   WriteJob run_job() const;

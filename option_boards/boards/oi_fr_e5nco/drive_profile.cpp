@@ -109,7 +109,9 @@ std::uint16_t DriveProfile::statusword(const DriveConditions& c) const {
   if (c.ready) word |= kVoltageEnabled;
   if (c.overload) word |= kWarning;
   if (c.network_mode) word |= kRemote;
-  if (state_ == DriveState::kOperationEnabled && c.up_to_frequency) word |= kTargetReached;
+  // A halted motor has reached its target at standstill.
+  const bool reached = halted() ? !c.running : c.up_to_frequency;
+  if (state_ == DriveState::kOperationEnabled && reached) word |= kTargetReached;
   return word;
 }
 

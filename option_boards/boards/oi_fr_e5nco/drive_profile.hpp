@@ -33,6 +33,7 @@ struct DriveConditions {
   bool alarm = false;
   bool ready = false;            // the inverter has started up
   bool network_mode = false;     // commands of the network count
+  bool running = false;          // the output is on
   bool up_to_frequency = false;  //
   bool overload = false;
 };
@@ -45,6 +46,8 @@ class DriveProfile {
   DriveAction quick_stop();
   // The inverter refused what should have led to Operation enabled.
   void on_run_refused();
+  // The inverter restarted: nothing is enabled any more.
+  void on_restart() { state_ = DriveState::kSwitchOnDisabled; }
   // Fault follows the alarm; a quick stop ends at standstill.
   void follow(bool alarm, bool running);
 

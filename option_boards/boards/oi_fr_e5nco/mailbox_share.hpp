@@ -1,33 +1,60 @@
 // One master's share of the inverter's dual-port RAM: it reads at will and sees its own write only. The inverter has
-// one write mailbox (port::DrivePort); whoever posted collects the outcome, the other one finds it busy until then.
+// one write mailbox (port::DrivePort) for CANopen and Modbus: what one of them posts while the other's write is there
+// waits, and is the next.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "motor_model/port/drive_port.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
 
-enum class MailboxUser : std::uint8_t { kNobody, kModbus, kCanopen };
+enum class MailboxUser : std::uint8_t { kModbus, kCanopen };
+
+// Who has the mailbox and what waits for it; common to the shares of one inverter.
+struct Mailbox {
+  struct Waiting {
+    Instant since{};
+    port::WriteRequest request;
+  };
+  std::optional<MailboxUser> owner;
+  std::array<std::optional<Waiting>, 2> waiting{};  // by user
+};
 
 class MailboxShare final : public port::DrivePort {
  public:
-  // drive and owner outlive the share; owner is common to all shares of one inverter and starts as kNobody.
-  MailboxShare(port::DrivePort& drive, MailboxUser& owner, MailboxUser self)
-      : drive_(drive), owner_(owner), self_(self) {}
+  // drive and mailbox outlive the share.
+  MailboxShare(port::DrivePort& drive, Mailbox& mailbox, MailboxUser self)
+      : drive_(drive), mailbox_(mailbox), self_(self) {}
 
   port::WriteOutcome post_write(Instant now, const port::WriteRequest& request) override {
-    if (owner_ != MailboxUser::kNobody) return Unexpected(port::Refusal::kBusy);
-    const port::WriteOutcome posted = drive_.post_write(now, request);
-    if (posted) owner_ = self_;
-    return posted;
+    if (mailbox_.owner == self_ || slot(self_)) return Unexpected(port::Refusal::kBusy);
+    if (!mailbox_.owner) return post(self_, now, request);
+    if (!drive_.ready()) return Unexpected(port::Refusal::kNotReady);
+    slot(self_) = Mailbox::Waiting{now, request};
+    return {};
   }
-  bool write_pending() const override { return owner_ == self_ && drive_.write_pending(); }
+  bool write_pending() const override {
+    return mailbox_.waiting[index(self_)].has_value() || (mailbox_.owner == self_ && drive_.write_pending());
+  }
   std::optional<port::WriteOutcome> take_outcome() override {
-    if (owner_ != self_) return std::nullopt;
+    if (!mailbox_.owner) {
+      // Its own write waited, and the mailbox became free while the inverter could not take it.
+      if (const auto waiting = std::exchange(slot(self_), std::nullopt)) {
+        if (auto posted = post(self_, waiting->since, waiting->request); !posted) return posted;
+      }
+    }
+    if (mailbox_.owner != self_) return std::nullopt;
     auto outcome = drive_.take_outcome();
     // Not pending and no outcome: the inverter restarted and lost it.
-    if (outcome || !drive_.write_pending()) owner_ = MailboxUser::kNobody;
+    if (outcome || !drive_.write_pending()) {
+      mailbox_.owner.reset();
+      auto& next = slot(other());
+      if (next && post(other(), next->since, next->request)) next.reset();
+    }
     return outcome;
   }
 
@@ -48,8 +75,17 @@ class MailboxShare final : public port::DrivePort {
   void set_option_failed(bool failed) override { drive_.set_option_failed(failed); }
 
  private:
+  static std::size_t index(MailboxUser user) { return static_cast<std::size_t>(user); }
+  std::optional<Mailbox::Waiting>& slot(MailboxUser user) { return mailbox_.waiting[index(user)]; }
+  MailboxUser other() const { return self_ == MailboxUser::kModbus ? MailboxUser::kCanopen : MailboxUser::kModbus; }
+  port::WriteOutcome post(MailboxUser user, Instant now, const port::WriteRequest& request) {
+    const port::WriteOutcome posted = drive_.post_write(now, request);
+    if (posted) mailbox_.owner = user;
+    return posted;
+  }
+
   port::DrivePort& drive_;
-  MailboxUser& owner_;
+  Mailbox& mailbox_;
   MailboxUser self_;
 };
 

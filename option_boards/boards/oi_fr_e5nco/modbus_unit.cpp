@@ -14,9 +14,7 @@ using modbus::Exception;
 
 namespace {
 
-constexpr std::uint16_t kPolesParameter = 144;
 constexpr std::uint16_t kAddressStep = 2;  // 8.7.1: only even addresses are used, and quantity counts items
-constexpr std::uint32_t kMaxWord = 0xffff;
 
 std::uint8_t function_code(modbus::Function function) { return static_cast<std::uint8_t>(function); }
 
@@ -76,11 +74,7 @@ Result<std::uint16_t, Exception> ModbusUnit::read_item(const RegisterRow& row, s
   switch (row.item) {
     case Item::kConstant: return row.constant;
     case Item::kStatus: return raw_status(drive_.status());
-    case Item::kAlarms: {
-      const port::AlarmHistory history = drive_.alarm_history();
-      const std::size_t newer = std::size_t{2} * index;
-      return static_cast<std::uint16_t>(history.at(newer) | history.at(newer + 1) << 8);
-    }
+    case Item::kAlarms: return raw_alarm_pair(drive_.alarm_history(), index);
     case Item::kMonitor: {
       const auto value = drive_.read_monitor(index);
       if (!value) return Unexpected(exception_of(value.error()));
@@ -89,7 +83,7 @@ Result<std::uint16_t, Exception> ModbusUnit::read_item(const RegisterRow& row, s
     case Item::kRpm: {
       const auto value = drive_.read_monitor(index);
       if (!value) return Unexpected(exception_of(value.error()));
-      return rpm_of_raw_frequency(*value, poles());
+      return rpm_of_raw_frequency(*value, poles_of(drive_));
     }
     case Item::kParameter: {
       const auto value = drive_.read_parameter({index, 0});
@@ -124,7 +118,7 @@ Result<port::WriteRequest, Exception> ModbusUnit::translate(const modbus::WriteS
     case Item::kFrequency: write.kind = Kind::kFrequency; return write;
     case Item::kRpm:
       write.kind = Kind::kFrequency;
-      write.value = raw_frequency_of_rpm(request.value, poles());
+      write.value = raw_frequency_of_rpm(request.value, poles_of(drive_));
       if (write.value > kMaxWord) return Unexpected(kDataNotCorrect);
       return write;
     case Item::kAnalog: write.kind = Kind::kAnalogReference; return write;
@@ -149,25 +143,25 @@ void ModbusUnit::write(Instant now, const modbus::WriteSingleRegister& request,
   if (state_.pending) return refuse(kOverlap);
   const port::WriteOutcome posted = drive_.post_write(now, *translated);
   if (!posted) return refuse(exception_of(posted.error()));
-  const bool reset = translated->kind == port::WriteRequest::Kind::kResetInverter;
   if (client && state_.immediate_answer) {
     answer(*client, modbus::emit(modbus::Request{request}));
     client.reset();
   }
-  state_.pending = PendingWrite{request, reset, client};
+  state_.pending = PendingWrite{request, translated->kind, now, client};
 }
-
-std::uint32_t ModbusUnit::poles() const { return poles_of(drive_.read_parameter({kPolesParameter, 0}).value_or(0u)); }
 
 void ModbusUnit::collect_outcome() {
   if (!state_.pending) return;
   std::optional<port::WriteOutcome> outcome = drive_.take_outcome();
   if (!outcome && drive_.write_pending()) return;
+  using Kind = port::WriteRequest::Kind;
   const PendingWrite write = *std::exchange(state_.pending, std::nullopt);
   if (!outcome) {
     // The inverter restarted and its mailbox is empty: for a reset that is the success.
-    outcome = write.reset ? port::WriteOutcome{} : port::WriteOutcome{Unexpected(port::Refusal::kNotReady)};
+    outcome = write.kind == Kind::kResetInverter ? port::WriteOutcome{}
+                                                 : port::WriteOutcome{Unexpected(port::Refusal::kNotReady)};
   }
+  if (write.kind == Kind::kOperationMode && *outcome) state_.mode_asked_at = write.posted_at;
   if (write.client) answer(*write.client, write_answer(write.request, *outcome));
 }
 

@@ -4,11 +4,12 @@
 // Order of the checks: function (01), length and quantity (03), addresses (02, or 05 for a write to an address that can
 // only be read), range of the map (03), inverter not ready (04), then what the inverter decides.
 // Reads are answered at once and need no NET modality. Writes go to the one mailbox of the inverter; while it decides,
-// further writes of any client are refused with 06.
+// further writes of any Modbus client are refused with 06; a write of CANopen is waited for.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "motor_model/port/drive_port.hpp"
@@ -30,6 +31,8 @@ class ModbusUnit final : public modbus::Unit {
   void set_immediate_answer(bool on) { state_.immediate_answer = on; }
   // Collects the inverter's decision on a write.
   void handle_drive_tick() { collect_outcome(); }
+  // When the operation mode was asked for that the inverter accepted since the last call.
+  std::optional<Instant> take_mode_request() { return std::exchange(state_.mode_asked_at, std::nullopt); }
 
   std::uint8_t address() const override { return state_.address; }
   void handle_request(Instant now, modbus::ClientId client, modbus::Addressing addressing, ByteView pdu) override;
@@ -45,21 +48,22 @@ class ModbusUnit final : public modbus::Unit {
   // The write in the mailbox.
   struct PendingWrite {
     modbus::WriteSingleRegister request;
-    bool reset = false;                      // inverter reset
+    port::WriteRequest::Kind kind{};
+    Instant posted_at{};
     std::optional<modbus::ClientId> client;  // who awaits the answer: nobody after a broadcast or immediate answer
   };
   struct State {
     std::uint8_t address = 0;
     bool immediate_answer = false;
     std::optional<PendingWrite> pending;
-    std::vector<Answer> answers;  // at most one per client
+    std::vector<Answer> answers;           // at most one per client
+    std::optional<Instant> mode_asked_at;  // operation mode written and accepted, not taken yet
   };
 
   Result<Bytes, modbus::Exception> read(const modbus::ReadHoldingRegisters& request) const;
   Result<std::uint16_t, modbus::Exception> read_item(const RegisterRow& row, std::uint16_t index) const;
   Result<port::WriteRequest, modbus::Exception> translate(const modbus::WriteSingleRegister& request) const;
   void write(Instant now, const modbus::WriteSingleRegister& request, std::optional<modbus::ClientId> client);
-  std::uint32_t poles() const;
   void collect_outcome();
   void answer(modbus::ClientId client, Bytes pdu);
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include "sim/base/check.hpp"
+#include "sim/base/table_text.hpp"
 #include "vinv_boards_data.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
@@ -29,22 +29,6 @@ constexpr std::array<std::pair<std::string_view, Item>, 13> kItemNames{{
     {"constant", Item::kConstant},
 }};
 
-std::string_view take_until(std::string_view& text, char delimiter) {
-  const std::size_t end = std::min(text.find(delimiter), text.size());
-  const std::string_view taken = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return taken;
-}
-
-// An empty field is 0.
-std::uint16_t number(std::string_view field, int base = 10) {
-  std::uint16_t value = 0;
-  if (field.empty()) return value;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value, base);
-  VINV_CHECK(error == std::errc{} && end == field.data() + field.size());
-  return value;
-}
-
 RegisterRow parse_row(std::string_view line) {
   std::array<std::string_view, kColumnsUsed> field;
   for (auto& f : field) f = take_until(line, ',');
@@ -53,16 +37,16 @@ RegisterRow parse_row(std::string_view line) {
   VINV_CHECK(item != kItemNames.end());
   VINV_CHECK(field[kAccess] == "R" || field[kAccess] == "W" || field[kAccess] == "RW" || field[kAccess] == "-");
   RegisterRow row;
-  row.first = number(field[kFirst]);
-  row.last = number(field[kLast]);
-  row.step = number(field[kStep]);
+  row.first = number_of_field<std::uint16_t>(field[kFirst], 0);
+  row.last = number_of_field<std::uint16_t>(field[kLast], 0);
+  row.step = number_of_field<std::uint16_t>(field[kStep], 0);
   row.readable = field[kAccess].find('R') != std::string_view::npos;
   row.writable = field[kAccess].find('W') != std::string_view::npos;
   row.item = item->second;
-  row.index = number(field[kIndex]);
-  row.min = number(field[kMin]);
-  row.max = number(field[kMax]);
-  row.constant = number(field[kValue], 16);
+  row.index = number_of_field<std::uint16_t>(field[kIndex], 0);
+  row.min = number_of_field<std::uint16_t>(field[kMin], 0);
+  row.max = number_of_field<std::uint16_t>(field[kMax], 0);
+  row.constant = number_of_field<std::uint16_t>(field[kValue], 0, 16);
   VINV_CHECK(row.step > 0 && row.first <= row.last);
   return row;
 }

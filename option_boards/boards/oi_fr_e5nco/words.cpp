@@ -21,6 +21,7 @@ constexpr std::array<CommandBit, 7> kCommandBits{{
     {10, port::NetTerminal::kMrs},
 }};
 
+constexpr port::ParameterId kPolesParameter{144, 0};
 constexpr std::uint32_t kDefaultPoles = 4;
 
 // 10 * poles / 4 of the formula, never 0.
@@ -50,15 +51,23 @@ std::uint32_t poles_of(std::uint32_t raw_pr144) {
   return raw_pr144 > kDisplayOffset ? raw_pr144 - kDisplayOffset : raw_pr144;
 }
 
+std::uint32_t poles_of(const port::DrivePort& drive) {
+  return poles_of(drive.read_parameter(kPolesParameter).value_or(0u));
+}
+
+std::uint16_t raw_alarm_pair(const port::AlarmHistory& history, std::size_t pair) {
+  return static_cast<std::uint16_t>(history.at(2 * pair) | history.at(2 * pair + 1) << 8);
+}
+
 std::uint32_t raw_frequency_of_rpm(std::uint32_t rpm, std::uint32_t poles) { return rpm * factor(poles) / 3; }
 
 std::uint16_t rpm_of_raw_frequency(std::uint32_t raw_frequency, std::uint32_t poles) {
-  return static_cast<std::uint16_t>(std::min<std::uint32_t>(raw_frequency * 3 / factor(poles), 0xffff));
+  return static_cast<std::uint16_t>(std::min(raw_frequency * 3 / factor(poles), kMaxWord));
 }
 
 std::uint16_t nearest_rpm_of_raw_frequency(std::uint32_t raw_frequency, std::uint32_t poles) {
   const std::uint64_t rounded = (std::uint64_t{raw_frequency} * 3 + factor(poles) / 2) / factor(poles);
-  return static_cast<std::uint16_t>(std::min<std::uint64_t>(rounded, 0xffff));
+  return static_cast<std::uint16_t>(std::min<std::uint64_t>(rounded, kMaxWord));
 }
 
 }  // namespace vinv::boards::oi_fr_e5nco

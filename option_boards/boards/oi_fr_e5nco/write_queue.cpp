@@ -1,6 +1,7 @@
 #include "option_boards/boards/oi_fr_e5nco/write_queue.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 namespace vinv::boards::oi_fr_e5nco {
@@ -11,6 +12,14 @@ bool replaces(const WriteJob& later, const WriteJob& earlier) {
   if (later.topic != earlier.topic || later.topic == WriteTopic::kOther) return false;
   return later.topic != WriteTopic::kParameter || later.steps[0].parameter == earlier.steps[0].parameter;
 }
+
+bool stores(const port::WriteRequest& request) {
+  using Kind = port::WriteRequest::Kind;
+  return request.kind == Kind::kParameter || request.kind == Kind::kRestoreDefaults ||
+         request.kind == Kind::kClearAlarmHistory;
+}
+
+bool awaited(const WriteJob& job) { return job.origin == WriteOrigin::kSdo || job.origin == WriteOrigin::kNmt; }
 
 }  // namespace
 
@@ -35,7 +44,10 @@ void WriteQueue::put_first(const WriteJob& job) {
   for (std::size_t i = state_.count; i-- > 0;) {
     if (state_.jobs[i].topic == WriteTopic::kRun && state_.jobs[i].origin != WriteOrigin::kSdo) remove(i);
   }
-  if (state_.count == kCapacity) remove(state_.count - 1);
+  if (state_.count == kCapacity) {
+    const auto last = std::find_if_not(state_.jobs.rbegin(), state_.jobs.rend(), awaited);
+    remove(last == state_.jobs.rend() ? kCapacity - 1 : static_cast<std::size_t>(state_.jobs.rend() - last) - 1);
+  }
   std::move_backward(state_.jobs.begin(), state_.jobs.begin() + static_cast<std::ptrdiff_t>(state_.count),
                      state_.jobs.begin() + static_cast<std::ptrdiff_t>(state_.count) + 1);
   state_.jobs[0] = job;
@@ -59,6 +71,7 @@ void WriteQueue::abandon_sdo() {
 }
 
 void WriteQueue::clear() {
+  static_assert(std::is_trivially_copyable_v<State>);  // so that a copy of it is a snapshot
   state_.count = 0;
   if (!state_.in_work) return;
   if (!state_.in_work->posted) {
@@ -89,7 +102,8 @@ std::optional<FinishedWrite> WriteQueue::advance(Instant now, port::DrivePort& d
     InWork& work = *state_.in_work;
     if (!outcome) return finish(Unexpected(port::Refusal::kNotReady), true);
     if (!*outcome) return finish(*outcome, false);
-    work.storage_failed = work.storage_failed || drive.storage_failures() != work.storage_failures_before;
+    work.storage_failed = work.storage_failed || (stores(work.job.steps[work.step]) &&
+                                                  drive.storage_failures() != work.storage_failures_before);
     work.posted = false;
     if (++work.step == work.job.count) return finish(*outcome, false);
   }

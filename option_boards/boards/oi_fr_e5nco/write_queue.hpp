@@ -50,7 +50,8 @@ class WriteQueue {
 
   // False: no room.
   bool put(const WriteJob& job);
-  // Before everything that waits, and instead of what would start or stop the motor.
+  // Before everything that waits, and instead of what would start or stop the motor. With no room the last one goes
+  // for which nobody waits.
   void put_first(const WriteJob& job);
   // Nobody waits for the client's write any more; it is still carried out.
   void abandon_sdo();

@@ -7,31 +7,31 @@
 #include "sim/transports/can/can_bus_impl.hpp"
 
 namespace vinv::transports {
+namespace {
 
-void CanNodeState::push(const Waiting& waiting) {
+const std::string kTwinPrefix = "twin of ";
+
+}  // namespace
+
+void CanNodeData::push(const Waiting& waiting) {
   ring[(first + count) % ring.size()] = waiting;
   ++count;
 }
 
-void CanNodeState::pop() {
+void CanNodeData::pop() {
   first = (first + 1) % ring.size();
   --count;
   first_is_on_wire = false;
 }
 
-std::size_t CanNodeState::clear() {
+std::size_t CanNodeData::clear() {
   held.reset();
   const std::size_t kept = first_is_on_wire ? 1 : 0;
   return std::exchange(count, kept) - kept;
 }
 
 CanBus::Impl::Impl(kernel::Scheduler& s, CanBusOptions o)
-    : scheduler(s),
-      options(std::move(o)),
-      bit(can_bit_time(options.bitrate)),
-      load(s.now()),
-      next_sof_at(s.now()),
-      recessive_since(s.now()) {}
+    : CanWireData(s.now()), scheduler(s), options(std::move(o)), bit(can_bit_time(options.bitrate)) {}
 
 CanBus::Impl::NodePtr CanBus::Impl::attach(Instant now, CanNodeOptions node_options) {
   now = std::max(now, scheduler.now());
@@ -58,17 +58,28 @@ void CanBus::Impl::detach(const NodePtr& node) {
     node->first_is_on_wire = false;
     transmitters.clear();
   }
-  if (node->twin) detach(std::exchange(node->twin, nullptr));
+  if (const NodePtr twin = twin_of(*node)) detach(twin);
   node->attached = false;
-  node->recovering = false;
-  node->handlers.reset();
+  stop_recovery(*node);
+  cancel_bus_off(*node);
+  if (node->release_event != 0) scheduler.cancel(std::exchange(node->release_event, 0));
+  begin_reporting();
+  set_handlers(*node, nullptr);
   node->clear();
-  if (reporting == 0) forget_detached();
+  end_reporting();
   plan_start(now);
 }
 
-void CanBus::Impl::forget_detached() {
+void CanBus::Impl::set_handlers(CanNodeState& node, std::shared_ptr<const CanHandlers> handlers) {
+  if (reporting > 0 && node.handlers) retired.push_back(std::move(node.handlers));
+  node.handlers = std::move(handlers);
+}
+
+void CanBus::Impl::end_reporting() {
+  if (--reporting > 0) return;
   std::erase_if(nodes, [](const NodePtr& n) { return !n->attached; });
+  // What they captured may have destructors that come back here.
+  const auto gone = std::exchange(retired, {});
 }
 
 CanSend CanBus::Impl::put(CanNodeState& node, const CanNodeState::Waiting& waiting) const {
@@ -95,10 +106,7 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
   const CanVerdict verdict = judge.judge(now, frame, node->options.name);
   if (verdict.bus_off) {
     ++node->lost;
-    // In an event of its own, because send() does not call back.
-    scheduler.schedule(now, kernel::Priority::kWire, [weak = weak_from_this(), node](Instant t) {
-      if (const auto self = weak.lock()) self->force_bus_off(t, node);
-    });
+    if (!node->bus_off_due) plan_bus_off(now, *node);
     return CanSend::kRefusedState;
   }
   if (verdict.silence) {
@@ -107,7 +115,7 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
   }
   const CanNodeState::Waiting waiting{frame, now + verdict.delay, verdict};
   if (verdict.reorder && !node->held) {
-    hold(now, node, waiting, *verdict.reorder);
+    hold(*node, waiting, now + *verdict.reorder);
     return CanSend::kQueued;
   }
   const CanSend result = put(*node, waiting);
@@ -127,19 +135,18 @@ void CanBus::Impl::start_for(Instant now, CanNodeState& node) {
   if (phase == Phase::kFree || start < sof_at) plan_start_at(start);
 }
 
-void CanBus::Impl::hold(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting, Duration patience) {
-  node->held = waiting;
-  node->release = scheduler.schedule(now + patience, kernel::Priority::kWire, [weak = weak_from_this(), node](Instant t) {
-    node->release = 0;
-    if (const auto self = weak.lock(); self && !self->closed) {
-      self->release(t, *node);
-      self->start_for(t, *node);
-    }
+void CanBus::Impl::hold(CanNodeState& node, const CanNodeState::Waiting& waiting, Instant until) {
+  node.held = waiting;
+  node.release_at = until;
+  node.release_event = scheduler.schedule(until, kernel::Priority::kWire, [this, n = &node](Instant now) {
+    n->release_event = 0;
+    release(now, *n);
+    start_for(now, *n);
   });
 }
 
 void CanBus::Impl::release(Instant now, CanNodeState& node) {
-  if (node.release != 0) scheduler.cancel(std::exchange(node.release, 0));
+  if (node.release_event != 0) scheduler.cancel(std::exchange(node.release_event, 0));
   if (!node.held) return;
   CanNodeState::Waiting waiting = *std::exchange(node.held, std::nullopt);
   if (!node.may_send()) {
@@ -150,20 +157,29 @@ void CanBus::Impl::release(Instant now, CanNodeState& node) {
   put(node, waiting);
 }
 
+CanBus::Impl::NodePtr CanBus::Impl::twin_of(const CanNodeState& node) const {
+  const auto it = std::find_if(nodes.begin(), nodes.end(), [&](const NodePtr& n) {
+    return n->is_twin && n->attached && n->options.name == kTwinPrefix + node.options.name;
+  });
+  return it == nodes.end() ? nullptr : *it;
+}
+
 // The other device is set up alike and answers the same request with its own data.
 void CanBus::Impl::send_as_twin(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting) {
-  if (!node->twin) {
-    CanNodeOptions twin = node->options;
-    twin.name = "twin of " + node->options.name;
-    twin.online = true;
-    twin.recovers = true;
-    node->twin = attach(now, std::move(twin));
+  NodePtr twin = twin_of(*node);
+  if (!twin) {
+    CanNodeOptions options_of_twin = node->options;
+    options_of_twin.name = kTwinPrefix + node->options.name;
+    options_of_twin.online = true;
+    options_of_twin.recovers = true;
+    twin = attach(now, std::move(options_of_twin));
+    twin->is_twin = true;
   }
-  if (!node->twin->may_send()) return;
+  if (!twin->may_send()) return;
   CanNodeState::Waiting other{waiting.frame, waiting.ready_at, CanVerdict{}};
   if (!other.frame.remote && other.frame.length > 0)
     other.frame.data[judge.pick(other.frame.length)] ^= static_cast<std::uint8_t>(1 + judge.pick(255));
-  put(*node->twin, other);
+  put(*twin, other);
 }
 
 void CanBus::Impl::set_online(Instant now, const NodePtr& node, bool online) {
@@ -180,19 +196,37 @@ void CanBus::Impl::reset_controller(Instant now, const NodePtr& node) {
   if (phase == Phase::kLone) leave_lone(now);
   node->lost += node->clear();
   node->counters = {};
-  node->recovering = false;
+  stop_recovery(*node);
   node->not_before = now;
   node->joined_at = now;
+  states_changed = true;
   report_states(now);
   plan_start(now);
 }
 
-void CanBus::Impl::force_bus_off(Instant now, const NodePtr& node) {
-  if (closed || !node->participates()) return;
+// In an event of its own, because send() does not call back.
+void CanBus::Impl::plan_bus_off(Instant at, CanNodeState& node) {
+  node.bus_off_due = true;
+  node.bus_off_at = at;
+  node.bus_off_event = scheduler.schedule(at, kernel::Priority::kWire, [this, n = &node](Instant now) {
+    n->bus_off_event = 0;
+    n->bus_off_due = false;
+    force_bus_off(now, *n);
+  });
+}
+
+void CanBus::Impl::cancel_bus_off(CanNodeState& node) {
+  node.bus_off_due = false;
+  if (node.bus_off_event != 0) scheduler.cancel(std::exchange(node.bus_off_event, 0));
+}
+
+void CanBus::Impl::force_bus_off(Instant now, CanNodeState& node) {
+  if (closed || !node.participates()) return;
   now = std::max(now, scheduler.now());
   if (phase == Phase::kLone) leave_lone(now);
-  node->counters.tec = CanErrorCounters::kBusOffLevel;
-  enter_bus_off(now, *node);
+  node.counters.tec = CanErrorCounters::kBusOffLevel;
+  states_changed = true;
+  enter_bus_off(now, node);
   plan_recovery();
   report_states(now);
   plan_start(now);
@@ -210,14 +244,98 @@ void CanBus::Impl::enter_bus_off(Instant now, CanNodeState& node) {
 void CanBus::Impl::start_recovery(Instant now, CanNodeState& node) {
   if (!node.attached || !node.online || !node.counters.is_bus_off() || node.recovering) return;
   node.recovering = true;
+  ++recovering;
   node.recovery_left = kRecoverySequences;
   node.recovery_from = now;
 }
 
-void CanBus::Impl::close() {
-  closed = true;
+void CanBus::Impl::stop_recovery(CanNodeState& node) {
+  if (std::exchange(node.recovering, false)) --recovering;
+}
+
+void CanBus::Impl::cancel_events() {
   if (wire_event != 0) scheduler.cancel(std::exchange(wire_event, 0));
   if (recovery_event != 0) scheduler.cancel(std::exchange(recovery_event, 0));
+  for (const NodePtr& n : nodes) {
+    if (n->bus_off_event != 0) scheduler.cancel(std::exchange(n->bus_off_event, 0));
+    if (n->release_event != 0) scheduler.cancel(std::exchange(n->release_event, 0));
+  }
+}
+
+CanBusState CanBus::Impl::save() const {
+  VINV_CHECK(reporting == 0);
+  CanBusState state;
+  state.wire = *this;
+  state.at = scheduler.now();
+  state.bitrate = options.bitrate;
+  for (const NodePtr& n : nodes) state.nodes.push_back(*n);
+  for (const NodePtr& t : transmitters) {
+    const auto at = std::find(nodes.begin(), nodes.end(), t);
+    state.transmitters.push_back(at == nodes.end() ? state.nodes.size() : static_cast<std::size_t>(at - nodes.begin()));
+    if (at == nodes.end()) state.nodes.push_back(*t);
+  }
+  return state;
+}
+
+Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
+  VINV_CHECK(reporting == 0 && !closed);
+  const std::string refused = "cannot restore CAN bus " + options.name + ": ";
+  if (state.at != scheduler.now()) return Unexpected(refused + "the state is of another time");
+  if (state.bitrate != options.bitrate) return Unexpected(refused + "the state is of another bit rate");
+  const auto attached = static_cast<std::size_t>(
+      std::count_if(state.nodes.begin(), state.nodes.end(), [](const CanNodeData& n) { return n.attached; }));
+  // Twins are made and taken away by faults, which are part of the state.
+  std::vector<NodePtr> wanted = nodes;
+  std::erase_if(wanted, [](const NodePtr& n) { return n->is_twin; });
+  for (std::size_t i = 0; i < attached && i <= wanted.size(); ++i) {
+    if (!state.nodes[i].is_twin) continue;
+    const auto twin = std::make_shared<CanNodeState>();
+    static_cast<CanNodeData&>(*twin) = state.nodes[i];
+    wanted.insert(wanted.begin() + static_cast<std::ptrdiff_t>(i), twin);
+  }
+  if (attached != wanted.size()) {
+    return Unexpected(refused + "it has " + std::to_string(wanted.size()) + " nodes, the state " +
+                      std::to_string(attached));
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const CanNodeData& n = state.nodes[i];
+    if (n.options.name != wanted[i]->options.name || n.ring.size() != wanted[i]->ring.size()) {
+      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + wanted[i]->options.name +
+                        ", in the state " + n.options.name);
+    }
+  }
+  cancel_events();
+  nodes = std::move(wanted);
+  static_cast<CanWireData&>(*this) = state.wire;
+  recovering = 0;
+  states_changed = false;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    static_cast<CanNodeData&>(*nodes[i]) = state.nodes[i];
+    recovering += nodes[i]->recovering ? 1 : 0;
+  }
+  transmitters.clear();
+  for (const std::size_t index : state.transmitters) {
+    if (index < nodes.size()) {
+      transmitters.push_back(nodes[index]);
+      continue;
+    }
+    const auto left = std::make_shared<CanNodeState>();
+    static_cast<CanNodeData&>(*left) = state.nodes[index];
+    transmitters.push_back(left);
+  }
+  if (phase == Phase::kStarting) schedule_arbitration();
+  if (phase == Phase::kBusy) schedule_end();
+  plan_recovery();
+  for (const NodePtr& n : nodes) {
+    if (n->bus_off_due) plan_bus_off(n->bus_off_at, *n);
+    if (n->held) hold(*n, CanNodeData::Waiting(*n->held), n->release_at);
+  }
+  return {};
+}
+
+void CanBus::Impl::close() {
+  closed = true;
+  cancel_events();
   for (const NodePtr& n : nodes) n->online = false;
   observers.clear();
 }
@@ -244,13 +362,17 @@ void CanBus::set_faults(CanFaultPlan plan) {
   impl_->judge = CanFaultJudge(std::move(plan));
   const std::vector<Impl::NodePtr> all = impl_->nodes;
   for (const auto& n : all)
-    if (n->twin) impl_->detach(std::exchange(n->twin, nullptr));
+    if (n->is_twin) impl_->detach(n);
 }
 
 void CanBus::add_fault(CanFaultRule rule) { impl_->judge.add(std::move(rule)); }
 
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }
+kernel::Scheduler& CanBus::scheduler() const { return impl_->scheduler; }
+
+CanBusState CanBus::save() const { return impl_->save(); }
+Result<void, std::string> CanBus::restore(const CanBusState& state) { return impl_->restore(state); }
 
 CanBusStats CanBus::stats(Instant now) const {
   Impl& impl = *impl_;
@@ -271,7 +393,7 @@ CanNode::CanNode(std::shared_ptr<CanBus::Impl> bus, std::shared_ptr<CanNodeState
 CanNode::~CanNode() { bus_->detach(state_); }
 
 void CanNode::set_handlers(CanHandlers handlers) {
-  state_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
+  bus_->set_handlers(*state_, std::make_shared<const CanHandlers>(std::move(handlers)));
 }
 CanSend CanNode::send(Instant now, const CanFrame& frame) { return bus_->send(now, state_, frame); }
 std::size_t CanNode::queue_room() const {
@@ -295,7 +417,7 @@ void CanNode::set_listen_only(Instant now, bool listen_only) {
   state_->options.listen_only = listen_only;
   bus_->reset_controller(now, state_);
 }
-void CanNode::force_bus_off(Instant now) { bus_->force_bus_off(now, state_); }
+void CanNode::force_bus_off(Instant now) { bus_->force_bus_off(now, *state_); }
 void CanNode::recover(Instant now) {
   if (bus_->closed) return;
   if (bus_->phase == CanBus::Impl::Phase::kLone) bus_->leave_lone(now);

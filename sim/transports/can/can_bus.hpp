@@ -27,9 +27,7 @@
 #include <string_view>
 
 #include "sim/kernel/scheduler.hpp"
-#include "sim/transports/can/bus_load.hpp"
-#include "sim/transports/can/can_faults.hpp"
-#include "sim/transports/can/can_port.hpp"
+#include "sim/transports/can/can_bus_state.hpp"
 
 namespace vinv::transports {
 
@@ -39,24 +37,6 @@ struct CanBusOptions {
   // kNone: frames take no time and need no acknowledgement, and bit rates do not matter. For measuring what is around
   // the bus, and for buses that others time.
   enum class Timing : std::uint8_t { kExact, kNone } timing = Timing::kExact;
-};
-
-struct CanNodeOptions {
-  std::string name;
-  std::uint32_t bitrate = 0;  // 0: that of the bus
-  bool listen_only = false;   // hears, but neither acknowledges nor signals errors nor sends
-  bool online = true;
-  bool recovers = true;                                  // from bus off by itself; else by CanNode::recover()
-  std::size_t queue_frames = CanPort::kMaxQueuedFrames;  // 2 or more
-  CanQueuePolicy when_full = CanQueuePolicy::kRefuseNewest;
-};
-
-enum class CanErrorCause : std::uint8_t {
-  kNoAcknowledge,  // reported once for a row of attempts
-  kCorrupted,      // by a fault plan
-  kErrorFrame,     // by a fault plan or inject_error_frame()
-  kCollision,      // two nodes sent different frames with one identifier
-  kOtherBitrate,
 };
 
 struct CanBusStats {
@@ -106,7 +86,15 @@ class CanBus {
   void inject_error_frame(Instant now);
 
   const CanBusOptions& options() const;
+  kernel::Scheduler& scheduler() const;
   CanBusStats stats(Instant now) const;
+
+  // Neither from within a handler or observer.
+  CanBusState save() const;
+  // As if all had happened here: pending events are scheduled anew, in the order wire, recovery, nodes. Handlers and
+  // observers stay, and are told nothing. Refused with a sentence if the scheduler's time or the bit rate is not that
+  // of the state, or the nodes attached now are not those of the state by name, order and length of their queues.
+  Result<void, std::string> restore(const CanBusState& state);
 
  private:
   friend class CanNode;

@@ -1,8 +1,7 @@
 // Inside CanBus: its nodes and the wire. For can_bus*.cpp only.
 //
-// The wire is free, or a start of frame is planned (or just happened, and arbitration is decided one bit later), or an
-// attempt is under way whose end is known, or one passive node repeats an attempt that nobody acknowledges. The last
-// changes nothing until another node comes, so it costs no events: see sync_lone().
+// A passive node that repeats an attempt which nobody acknowledges changes nothing until another node comes, so it
+// costs no events: see sync_lone().
 #pragma once
 
 #include <memory>
@@ -15,49 +14,13 @@
 
 namespace vinv::transports {
 
-struct CanNodeState {
-  struct Waiting {
-    CanFrame frame;
-    Instant ready_at{};
-    CanVerdict verdict;
-  };
-
-  CanNodeOptions options;
+struct CanNodeState : CanNodeData {
   std::shared_ptr<const CanHandlers> handlers;
-  CanErrorCounters counters;
-  CanState reported = CanState::kErrorActive;
-  bool attached = true;
-  bool online = true;
-  std::vector<Waiting> ring;  // of fixed size
-  std::size_t first = 0;
-  std::size_t count = 0;
-  bool first_is_on_wire = false;
-  std::optional<Waiting> held;  // by a fault, behind the next frame
-  kernel::EventId release = 0;
-  std::shared_ptr<CanNodeState> twin;  // by a fault
-  Instant not_before{};  // suspend transmission of a passive node
-  Instant joined_at{};   // hears frames that start from then on
-  bool recovering = false;
-  int recovery_left = 0;    // sequences of recessive bits
-  Instant recovery_from{};  // the sequences before it are counted
-  std::uint64_t sent = 0;
-  std::uint64_t received = 0;
-  std::uint64_t lost = 0;
-
-  CanState state() const { return online ? counters.state() : CanState::kOffline; }
-  CanStatus status() const { return {state(), counters, sent, received, lost}; }
-  bool participates() const { return attached && online && !counters.is_bus_off(); }
-  bool may_send() const { return participates() && !options.listen_only; }
-  Waiting& head() { return ring[first]; }
-  void push(const Waiting& waiting);
-  void pop();
-  // What is not on the wire; returns how many.
-  std::size_t clear();
+  kernel::EventId bus_off_event = 0;
+  kernel::EventId release_event = 0;
 };
 
-struct CanBus::Impl : std::enable_shared_from_this<Impl> {
-  enum class Phase { kFree, kStarting, kBusy, kLone };
-  enum class Outcome { kSuccess, kNoAcknowledge, kDestroyed };
+struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
   using NodePtr = std::shared_ptr<CanNodeState>;
 
   Impl(kernel::Scheduler& s, CanBusOptions o);
@@ -66,16 +29,25 @@ struct CanBus::Impl : std::enable_shared_from_this<Impl> {
   NodePtr attach(Instant now, CanNodeOptions node_options);
   void detach(const NodePtr& node);
   CanSend send(Instant now, const NodePtr& node, const CanFrame& frame);
-  void hold(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting, Duration patience);
+  void hold(CanNodeState& node, const CanNodeState::Waiting& waiting, Instant until);
   void release(Instant now, CanNodeState& node);
+  NodePtr twin_of(const CanNodeState& node) const;
   void send_as_twin(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting);
   void start_for(Instant now, CanNodeState& node);
   void set_online(Instant now, const NodePtr& node, bool online);
   void reset_controller(Instant now, const NodePtr& node);
-  void force_bus_off(Instant now, const NodePtr& node);
+  void set_handlers(CanNodeState& node, std::shared_ptr<const CanHandlers> handlers);
+  void force_bus_off(Instant now, CanNodeState& node);
+  void plan_bus_off(Instant at, CanNodeState& node);
+  void cancel_bus_off(CanNodeState& node);
   void start_recovery(Instant now, CanNodeState& node);
+  void stop_recovery(CanNodeState& node);
   void disturb(Instant now);
   void close();
+
+  CanBusState save() const;
+  Result<void, std::string> restore(const CanBusState& state);
+  void cancel_events();
 
   // The wire.
   bool is_timed() const { return options.timing == CanBusOptions::Timing::kExact; }
@@ -88,15 +60,22 @@ struct CanBus::Impl : std::enable_shared_from_this<Impl> {
   void plan_start(Instant now);
   void plan_start_at(Instant start);
   void arbitrate();
-  void decide(bool garbled, const CanWireBits& wire);
+  void decide(bool garbled);
   void destroy_after(std::int64_t wire_bits, CanErrorCause why);
-  bool is_transmitter(const CanNodeState& n) const;
+  bool is_transmitter(const CanNodeState& n) const {
+    for (const NodePtr& t : transmitters) {
+      if (t.get() == &n) return true;
+    }
+    return false;
+  }
+  void schedule_arbitration();
   void schedule_end();
   void finish(Instant now);
   void count(Instant now);
   void report_attempt(Instant now);
   void report_states(Instant now);
-  void forget_detached();
+  void begin_reporting() { ++reporting; }
+  void end_reporting();
   void end_recessive(Instant at);
   void plan_recovery();
   void check_recovery(Instant now);
@@ -114,37 +93,20 @@ struct CanBus::Impl : std::enable_shared_from_this<Impl> {
   Duration bit;
   std::vector<NodePtr> nodes;  // in the order of attaching
   std::vector<std::shared_ptr<CanBusObserver>> observers;
-  CanFaultJudge judge{CanFaultPlan{}};
-  std::uint64_t injected_before = 0;
-  CanLoadMeter load;
   bool closed = false;
-  int reporting = 0;  // handlers are running: no node may leave the table
+  bool finishing = false;      // handlers hear of an attempt that has ended
+  bool disturb_after = false;  // one of them asked for it
+  // Handlers are running: no node may leave the table, and handlers that were replaced stay.
+  int reporting = 0;
+  std::vector<std::shared_ptr<const CanHandlers>> retired;
 
-  Phase phase = Phase::kFree;
   kernel::EventId wire_event = 0;
   kernel::EventId recovery_event = 0;
-  Instant sof_at{};       // of the attempt that is planned or under way
-  Instant next_sof_at{};  // not before
-  Instant recessive_since{};
-  bool disturb_start = false;
-
-  // The attempt under way.
-  std::vector<NodePtr> transmitters;  // none: an error frame on a free bus
-  CanFrame on_wire;
-  unsigned on_wire_bits = 0;  // to the last bit of end of frame
-  bool drop_on_wire = false;
-  Outcome outcome = Outcome::kSuccess;
-  CanErrorCause cause = CanErrorCause::kCorrupted;
-  Instant ends_at{};
-  bool row_of_no_acknowledge = false;
-
-  // Phase::kLone: attempts start at sof_at and every lone_period from there.
-  Duration lone_period{};
-  Duration lone_attempt{};  // to the end of its error delimiter
-
-  std::uint64_t frames = 0;
-  std::uint64_t error_frames = 0;
-  std::uint64_t arbitrations_lost = 0;
+  int recovering = 0;           // nodes
+  bool states_changed = false;  // some node's state may not be what was reported
+  // Of the attempt under way; none: an error frame on a free bus.
+  std::vector<NodePtr> transmitters;
+  std::vector<NodePtr*> competitors;  // while arbitrate() runs
 };
 
 }  // namespace vinv::transports

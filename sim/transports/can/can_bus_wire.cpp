@@ -47,48 +47,59 @@ void CanBus::Impl::plan_start(Instant now) {
 }
 
 void CanBus::Impl::plan_start_at(Instant start) {
-  if (wire_event != 0) scheduler.cancel(wire_event);
+  if (wire_event != 0) scheduler.cancel(std::exchange(wire_event, 0));
   phase = Phase::kStarting;
   sof_at = start;
   // One bit later, so that what is sent in the same instant or bit takes part, whatever its priority in the queue.
-  wire_event = scheduler.schedule(std::max(start + bits(1), scheduler.now()), kernel::Priority::kWire, [this](Instant) {
-    wire_event = 0;
-    arbitrate();
-  });
+  schedule_arbitration();
+}
+
+void CanBus::Impl::schedule_arbitration() {
+  wire_event =
+      scheduler.schedule(std::max(sof_at + bits(1), scheduler.now()), kernel::Priority::kWire, [this](Instant) {
+        wire_event = 0;
+        arbitrate();
+      });
 }
 
 void CanBus::Impl::arbitrate() {
   transmitters.clear();
+  const auto takes_part = [&](const CanNodeState& n) {
+    return n.count > 0 && n.may_send() && n.head().ready_at <= sof_at + bits(1) && n.not_before <= sof_at;
+  };
   std::uint32_t best = ~std::uint32_t{0};
   bool garbled = false;
-  for (const NodePtr& n : nodes) {
-    if (!n->may_send() || n->count == 0) continue;
-    if (n->head().ready_at > sof_at + bits(1) || n->not_before > sof_at) continue;
-    transmitters.push_back(n);
+  competitors.clear();
+  for (NodePtr& n : nodes) {
+    if (!takes_part(*n)) continue;
+    competitors.push_back(&n);
     best = std::min(best, can_arbitration_key(n->head().frame));
     garbled = garbled || !has_bus_rate(*n);
   }
-  if (transmitters.empty()) {
+  if (competitors.empty()) {
     phase = Phase::kFree;
     disturb_start = false;
+    plan_recovery();
     return plan_start(scheduler.now());
   }
-  if (!garbled) {
-    arbitrations_lost +=
-        std::erase_if(transmitters, [&](const NodePtr& n) { return can_arbitration_key(n->head().frame) != best; });
+  for (const NodePtr* n : competitors) {
+    if (garbled || can_arbitration_key((*n)->head().frame) == best) transmitters.push_back(*n);
   }
+  arbitrations_lost += competitors.size() - transmitters.size();
   end_recessive(sof_at);
   for (const NodePtr& n : transmitters) n->first_is_on_wire = true;
   const CanNodeState::Waiting& head = transmitters.front()->head();
   on_wire = head.frame;
   drop_on_wire = head.verdict.drop;
-  const CanWireBits wire = can_wire_bits(on_wire);
-  on_wire_bits = wire.frame_bits();
-  decide(garbled, wire);
-  schedule_end();
+  decide(garbled);
+  phase = Phase::kBusy;
+  if (is_timed())
+    schedule_end();
+  else
+    finish(scheduler.now());
 }
 
-void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
+void CanBus::Impl::decide(bool garbled) {
   bool acknowledged = !is_timed();
   bool disturbed = false;
   for (const NodePtr& n : nodes) {
@@ -103,6 +114,13 @@ void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
   if (disturbed || (garbled && (acknowledged || transmitters.size() > 1))) {
     return destroy_after(kGarbledBits, CanErrorCause::kOtherBitrate);
   }
+  // Its bits are of no interest where it takes no time.
+  if (!is_timed() && transmitters.size() == 1 && verdict.corrupt == 0 && verdict.error_frames == 0) {
+    outcome = Outcome::kSuccess;
+    ends_at = sof_at;
+    return;
+  }
+  const CanWireBits wire = can_wire_bits(on_wire);
   for (std::size_t i = 1; i < transmitters.size(); ++i) {
     const CanFrame& other = transmitters[i]->head().frame;
     if (other == on_wire) continue;
@@ -120,7 +138,7 @@ void CanBus::Impl::decide(bool garbled, const CanWireBits& wire) {
   }
   if (acknowledged) {
     outcome = Outcome::kSuccess;
-    ends_at = sof_at + bits(on_wire_bits);
+    ends_at = sof_at + bits(wire.frame_bits());
   } else {
     outcome = Outcome::kNoAcknowledge;
     cause = CanErrorCause::kNoAcknowledge;
@@ -136,12 +154,7 @@ void CanBus::Impl::destroy_after(std::int64_t wire_bits, CanErrorCause why) {
   ends_at = sof_at + bits(wire_bits + (others ? 2 * kFlagBits : kFlagBits) + kDelimiterBits);
 }
 
-bool CanBus::Impl::is_transmitter(const CanNodeState& n) const {
-  return std::any_of(transmitters.begin(), transmitters.end(), [&](const NodePtr& t) { return t.get() == &n; });
-}
-
 void CanBus::Impl::schedule_end() {
-  phase = Phase::kBusy;
   wire_event = scheduler.schedule(std::max(ends_at, scheduler.now()), kernel::Priority::kWire, [this](Instant now) {
     wire_event = 0;
     finish(now);
@@ -159,12 +172,15 @@ void CanBus::Impl::finish(Instant now) {
     recessive_since -= bits(kFlagBits + 2);
   }
   count(now);
-  ++reporting;
+  begin_reporting();
+  finishing = true;
   report_attempt(now);
   report_states(now);
-  if (--reporting == 0) forget_detached();
+  finishing = false;
+  end_reporting();
   transmitters.clear();
   if (closed) return;
+  if (std::exchange(disturb_after, false)) return disturb(now);
   plan_recovery();
   plan_start(now);
 }
@@ -176,6 +192,7 @@ void CanBus::Impl::count(Instant now) {
     ++error_frames;
   for (const NodePtr& n : nodes) {
     if (!was_there(*n) || is_transmitter(*n) || n->options.listen_only) continue;
+    const CanState before = n->counters.state();
     if (outcome == Outcome::kSuccess && has_bus_rate(*n)) n->counters.on_received();
     if (outcome != Outcome::kDestroyed) continue;
     if (has_bus_rate(*n)) {
@@ -184,10 +201,12 @@ void CanBus::Impl::count(Instant now) {
       n->counters.on_receive_error();
       n->counters.on_dominant_after_flag();
     }
+    states_changed = states_changed || n->counters.state() != before;
   }
   for (const NodePtr& t : transmitters) {
     // Switched off, or bus off by force, since its frame began.
     const bool left = !t->participates();
+    const CanState before = t->counters.state();
     if (!left) {
       switch (outcome) {
         case Outcome::kSuccess: t->counters.on_transmitted(); break;
@@ -204,6 +223,7 @@ void CanBus::Impl::count(Instant now) {
         ++t->lost;
     }
     if (left) continue;
+    states_changed = states_changed || t->counters.state() != before;
     if (t->counters.is_bus_off())
       enter_bus_off(now, *t);
     else if (t->counters.is_passive())
@@ -225,40 +245,45 @@ void CanBus::Impl::report_attempt(Instant now) {
   }
   if (outcome != Outcome::kSuccess) return;
   for (const NodePtr& t : transmitters) {
-    const auto handlers = t->handlers;
-    if (t->participates() && handlers && handlers->on_sent) handlers->on_sent(now, on_wire);
+    const CanHandlers* const handlers = t->handlers.get();
+    if (t->participates() && handlers != nullptr && handlers->on_sent) handlers->on_sent(now, on_wire);
   }
   if (drop_on_wire) return;
   const std::size_t count = nodes.size();
   for (std::size_t i = 0; i < count && !closed; ++i) {
-    const NodePtr n = nodes[i];
+    CanNodeState* const n = nodes[i].get();
     if (!hears(*n) || is_transmitter(*n)) continue;
     ++n->received;
-    const auto handlers = n->handlers;
-    if (handlers && handlers->on_frame) handlers->on_frame(now, on_wire);
+    const CanHandlers* const handlers = n->handlers.get();
+    if (handlers != nullptr && handlers->on_frame) handlers->on_frame(now, on_wire);
   }
 }
 
 void CanBus::Impl::report_states(Instant now) {
+  if (!std::exchange(states_changed, false)) return;
   const auto keep = shared_from_this();
-  ++reporting;
+  begin_reporting();
   for (std::size_t i = 0; i < nodes.size() && !closed; ++i) {
-    const NodePtr n = nodes[i];
+    CanNodeState* const n = nodes[i].get();
     if (!n->attached || n->state() == n->reported) continue;
     n->reported = n->state();
     for (std::size_t k = 0; k < observers.size(); ++k) {
       const auto observer = observers[k];
       observer->on_node_state(now, n->options.name, n->status());
     }
-    const auto handlers = n->handlers;
-    if (handlers && handlers->on_state) handlers->on_state(now, n->status());
+    const CanHandlers* const handlers = n->handlers.get();
+    if (handlers != nullptr && handlers->on_state) handlers->on_state(now, n->status());
   }
-  if (--reporting == 0) forget_detached();
+  end_reporting();
 }
 
 void CanBus::Impl::disturb(Instant now) {
   if (closed) return;
   now = std::max(now, scheduler.now());
+  if (finishing) {  // by a handler: the ended attempt is still looked at
+    disturb_after = true;
+    return;
+  }
   if (phase == Phase::kLone) leave_lone(now);
   if (phase == Phase::kStarting && sof_at <= now) {
     disturb_start = true;
@@ -277,12 +302,13 @@ void CanBus::Impl::disturb(Instant now) {
   end_recessive(now);
   sof_at = now;
   destroy_after(0, CanErrorCause::kErrorFrame);
+  phase = Phase::kBusy;
   schedule_end();
 }
 
 // The recessive run that ends here held sequences for the nodes that count them.
 void CanBus::Impl::end_recessive(Instant at) {
-  if (!is_timed()) return;
+  if (!is_timed() || recovering == 0) return;
   if (recovery_event != 0) scheduler.cancel(std::exchange(recovery_event, 0));
   for (const NodePtr& n : nodes) {
     if (!n->recovering) continue;
@@ -294,6 +320,7 @@ void CanBus::Impl::end_recessive(Instant at) {
 }
 
 void CanBus::Impl::plan_recovery() {
+  if (recovering == 0 && recovery_event == 0) return;
   if (is_timed() && phase == Phase::kBusy) return;
   Instant soonest = kForever;
   for (const NodePtr& n : nodes) {
@@ -310,12 +337,15 @@ void CanBus::Impl::plan_recovery() {
 }
 
 void CanBus::Impl::check_recovery(Instant now) {
+  // A frame has begun, and its arbitration counts the sequences before it.
+  if (is_timed() && phase == Phase::kStarting && sof_at < now) return;
   const auto keep = shared_from_this();
   for (const NodePtr& n : nodes) {
     if (!n->recovering) continue;
     const Instant from = is_timed() ? std::max(recessive_since, n->recovery_from) : n->recovery_from;
     if (from + bit * kRecoveryBits * n->recovery_left > now) continue;
-    n->recovering = false;
+    stop_recovery(*n);
+    states_changed = true;
     n->counters = {};
     n->joined_at = now;
     n->not_before = now;

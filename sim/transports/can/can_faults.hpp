@@ -19,7 +19,7 @@ namespace vinv::transports {
 enum class CanFault : std::uint8_t {
   kDrop,        // on the wire and acknowledged, but lost in every receiver, as by overrun
   kDelay,       // handed to the bus later by CanFaultRule::delay; what its node sends next waits behind it
-  kDuplicate,   // a second time, CanFaultRule::delay after the first was handed over
+  kDuplicate,   // a second time, CanFaultRule::delay after the first was handed over; later frames wait behind it
   kCorrupt,     // one bit between control field and CRC is inverted: nodes signal an error, the frame is sent again
   kErrorFrame,  // somebody signals an error right after the arbitration field: the frame is sent again
   kBusOff,      // its node goes bus off; the frame and what waits behind it are lost

@@ -3,10 +3,9 @@
 #include <fcntl.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <utility>
 
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
 #include "sim/transports/io_error.hpp"
 
 namespace vinv::transports {
@@ -15,6 +14,8 @@ namespace {
 // linux/can.h
 constexpr std::uint32_t kExtendedFlag = 0x80000000;
 constexpr std::uint32_t kRemoteFlag = 0x40000000;
+
+constexpr std::size_t kLineBytes = 64;  // more than a line has besides the interface
 
 Bytes packet(std::uint32_t id, std::uint8_t length, ByteView data) {
   Bytes out;
@@ -26,10 +27,13 @@ Bytes packet(std::uint32_t id, std::uint8_t length, ByteView data) {
 }
 
 std::string line_head(std::int64_t unix_us, std::string_view interface) {
-  char stamp[48];
-  std::snprintf(stamp, sizeof stamp, "(%010lld.%06lld) ", static_cast<long long>(unix_us / 1'000'000),
-                static_cast<long long>(unix_us % 1'000'000));
-  return stamp + std::string(interface) + " ";
+  std::string out = "(";
+  out.reserve(kLineBytes + interface.size());
+  append_stamp(out, unix_us, 10);
+  out += ") ";
+  out += interface;
+  out += ' ';
+  return out;
 }
 
 void append_data(std::string& line, ByteView data) {
@@ -106,8 +110,13 @@ void CanRecorder::on_error_frame(Instant now, CanErrorCause cause, std::string_v
   error_frame(now, error_frame_of(cause));
 }
 
-void CanRecorder::on_node_state(Instant now, std::string_view, const CanStatus& status) {
-  if (status.state != CanState::kOffline) error_frame(now, error_frame_of(status));
+void CanRecorder::on_node_state(Instant now, std::string_view node, const CanStatus& status) {
+  if (status.state == CanState::kOffline) {
+    joined_.erase(std::string(node));
+    return;
+  }
+  const bool joins = joined_.emplace(node).second;
+  if (!joins || status.state != CanState::kErrorActive) error_frame(now, error_frame_of(status));
 }
 
 void CanRecorder::error_frame(Instant now, const CanErrorFrame& frame) {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -54,6 +56,7 @@ class CanRecorder : public CanBusObserver {
   CanRecorder(std::string interface, std::shared_ptr<CandumpLog> log, std::shared_ptr<CaptureFile> capture);
   void on_frame(Instant now, const CanFrame& frame, std::string_view sender) override;
   void on_error_frame(Instant now, CanErrorCause cause, std::string_view sender) override;
+  // An error frame, but not for a node that joins the bus in good health.
   void on_node_state(Instant now, std::string_view node, const CanStatus& status) override;
 
  private:
@@ -62,6 +65,7 @@ class CanRecorder : public CanBusObserver {
   std::shared_ptr<CandumpLog> log_;
   std::shared_ptr<CaptureFile> capture_;
   std::uint32_t interface_id_ = 0;
+  std::set<std::string, std::less<>> joined_;  // nodes on the bus
 };
 
 }  // namespace vinv::transports

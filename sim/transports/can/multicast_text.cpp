@@ -46,7 +46,7 @@ class Reader {
 
   // False if the datagram ends within it, or it is an array, a map or an extension.
   bool value() {
-    integer.reset();
+    integer = kNoInteger;
     boolean.reset();
     block = {};
     is_bytes = false;
@@ -60,14 +60,15 @@ class Reader {
     if (*head >= kStr8 && *head < kStr8 + 3) return take_counted(*head - kStr8);
     if (*head == kFloat32) return number(4).has_value();
     if (*head == kFloat64) return number(8).has_value();
-    if (*head >= kUint8 && *head < kUint8 + 4)
-      return (integer = number(std::size_t{1} << (*head - kUint8))).has_value();
+    if (*head >= kUint8 && *head < kUint8 + 4) return take_number(std::size_t{1} << (*head - kUint8));
     if (*head >= kInt8 && *head < kInt8 + 4) return number(std::size_t{1} << (*head - kInt8)).has_value();
     return false;
   }
   bool at_end() const { return bytes_.empty(); }
 
-  std::optional<std::uint64_t> integer;
+  // Beyond all that mean something here: the value was none.
+  static constexpr std::uint64_t kNoInteger = ~std::uint64_t{0};
+  std::uint64_t integer = kNoInteger;
   std::optional<bool> boolean;
   ByteView block;  // of a string, or of bytes
   bool is_bytes = false;
@@ -86,6 +87,11 @@ class Reader {
     for (std::size_t i = 0; i < size; ++i) v = v << 8 | bytes_[i];
     bytes_ = bytes_.subspan(size);
     return v;
+  }
+  bool take_number(std::size_t size) {
+    const auto v = number(size);
+    if (v) integer = *v;
+    return v.has_value();
   }
   bool take(std::uint64_t size) {
     if (bytes_.size() < size) return false;
@@ -136,15 +142,15 @@ std::optional<CanFrame> parse_multicast_datagram(ByteView bytes) {
   if (!entries) return std::nullopt;
   CanFrame frame;
   bool has_id = false;
-  std::optional<std::uint64_t> dlc;
+  std::uint64_t dlc = Reader::kNoInteger;
   ByteView data;
   for (std::size_t i = 0; i < *entries; ++i) {
     if (!in.value()) return std::nullopt;
     const std::string_view name = in.text();
     if (!in.value()) return std::nullopt;
     if (name == "arbitration_id") {
-      if (!in.integer || *in.integer > 0x1fffffff) return std::nullopt;
-      frame.id = static_cast<std::uint32_t>(*in.integer);
+      if (in.integer > 0x1fffffff) return std::nullopt;
+      frame.id = static_cast<std::uint32_t>(in.integer);
       has_id = true;
     } else if (name == "is_extended_id") {
       frame.extended = in.boolean.value_or(false);
@@ -158,8 +164,8 @@ std::optional<CanFrame> parse_multicast_datagram(ByteView bytes) {
       data = in.block;
     }
   }
-  if (!in.at_end() || !has_id || !dlc || *dlc > 8 || data.size() > 8) return std::nullopt;
-  frame.length = static_cast<std::uint8_t>(*dlc);
+  if (!in.at_end() || !has_id || dlc > 8 || data.size() > 8) return std::nullopt;
+  frame.length = static_cast<std::uint8_t>(dlc);
   if (!is_well_formed(frame) || (!frame.remote && data.size() != frame.length)) return std::nullopt;
   if (!frame.remote) std::copy(data.begin(), data.end(), frame.data.begin());
   return frame;

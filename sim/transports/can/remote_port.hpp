@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "sim/base/check.hpp"
 #include "sim/kernel/scheduler.hpp"
@@ -16,6 +17,11 @@ namespace vinv::transports {
 // Shared, so that events and handlers of streams find out that the port is gone.
 struct RemotePortState : std::enable_shared_from_this<RemotePortState> {
   explicit RemotePortState(kernel::Scheduler& s) : scheduler(s) {}
+  ~RemotePortState() {
+    if (confirmation != 0) scheduler.cancel(confirmation);
+  }
+  RemotePortState(const RemotePortState&) = delete;
+  RemotePortState& operator=(const RemotePortState&) = delete;
 
   void received(Instant now, const CanFrame& frame) {
     if (!is_up()) return;
@@ -30,15 +36,17 @@ struct RemotePortState : std::enable_shared_from_this<RemotePortState> {
   }
   // For buses that do not confirm: in an event of its own, because send() does not call back.
   void confirm_later(Instant now, const CanFrame& frame) {
-    ++unconfirmed;
-    scheduler.schedule(std::max(now, scheduler.now()), kernel::Priority::kWire,
-                       [weak = weak_from_this(), frame](Instant t) {
-                         const auto self = weak.lock();
-                         if (!self) return;
-                         --self->unconfirmed;
-                         self->confirm(t, frame);
-                       });
+    unconfirmed.push_back({now, frame});
+    if (confirmation != 0) return;
+    confirmation = scheduler.schedule(std::max(now, scheduler.now()), kernel::Priority::kWire, [this](Instant t) {
+      confirmation = 0;
+      const auto keep = shared_from_this();  // a handler may destroy the port
+      confirming.swap(unconfirmed);
+      for (const auto& [sent_at, sent] : confirming) confirm(std::max(t, sent_at), sent);
+      confirming.clear();
+    });
   }
+  std::size_t room(std::size_t limit) const { return may_send() ? limit - std::min(unconfirmed.size(), limit) : 0; }
   void enter(Instant now, CanState state) {
     if (status.state == state) return;
     status.state = state;
@@ -52,7 +60,9 @@ struct RemotePortState : std::enable_shared_from_this<RemotePortState> {
   std::shared_ptr<const CanHandlers> handlers;
   CanStatus status{CanState::kOffline, {}, 0, 0, 0};
   bool online = true;  // as its owner wants it
-  std::size_t unconfirmed = 0;
+  std::vector<std::pair<Instant, CanFrame>> unconfirmed;
+  std::vector<std::pair<Instant, CanFrame>> confirming;
+  kernel::EventId confirmation = 0;
 };
 
 }  // namespace vinv::transports

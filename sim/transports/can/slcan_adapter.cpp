@@ -2,7 +2,8 @@
 
 #include <utility>
 
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
+#include "sim/transports/can/session_text.hpp"
 
 namespace vinv::transports {
 namespace {
@@ -16,13 +17,11 @@ constexpr std::uint8_t kBusError = 0x80;
 constexpr const char* kOk = "\r";
 constexpr const char* kBell = "\a";
 
-ByteView view(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
-
 }  // namespace
 
 struct SlcanAdapter::Impl : std::enable_shared_from_this<Impl> {
   Impl(CanBus& b, std::unique_ptr<ByteStream> s, std::function<void()> end)
-      : bus(b), stream(std::move(s)), on_end(std::move(end)) {}
+      : bus(b), stream(std::move(s)), out(b.scheduler(), *stream), on_end(std::move(end)) {}
 
   void start() {
     const std::weak_ptr<Impl> weak = weak_from_this();
@@ -32,7 +31,7 @@ struct SlcanAdapter::Impl : std::enable_shared_from_this<Impl> {
           const auto self = weak.lock();
           if (!self) return;
           self->lines.feed(bytes, [&](std::string_view line) {
-            if (self->stream_open) self->answer(now, self->obey(now, line));
+            if (self->stream_open) self->out.say(now, self->obey(now, line));
           });
         },
         [weak](Instant, const std::string&) {
@@ -120,26 +119,28 @@ struct SlcanAdapter::Impl : std::enable_shared_from_this<Impl> {
       case CanState::kBusOff:
       case CanState::kOffline: bits |= kWarning | kPassive | kBusError; break;
     }
-    std::string out = "F";
-    append_hex(out, bits, 2);
-    return out + "\r";
+    std::string answer = "F";
+    append_hex(answer, bits, 2);
+    return answer + "\r";
   }
 
   void forward(Instant now, const CanFrame& frame) {
     std::optional<std::uint16_t> stamp;
     if (stamps) stamp = static_cast<std::uint16_t>(to_ns(now) / 1'000'000 % 60'000);
-    answer(now, slcan_frame(frame, stamp) + "\r");
+    std::string& text = out.at(now);
+    append_slcan_frame(text, frame, stamp);
+    text += '\r';
   }
-
-  void answer(Instant now, const std::string& text) { stream->send(now, view(text)); }
 
   void shut() {
     stream_open = false;
+    out.drop();
     node.reset();
   }
 
   CanBus& bus;
   std::unique_ptr<ByteStream> stream;
+  SessionText out;
   std::function<void()> on_end;
   SlcanLines lines;
   std::unique_ptr<CanNode> node;  // while the channel is open

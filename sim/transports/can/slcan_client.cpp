@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
 #include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/can/slcan_text.hpp"
 #include "sim/transports/can/tcp_dialer.hpp"
@@ -83,8 +83,15 @@ struct SlcanClient::Impl : RemotePortState {
     enter(now, (flags & 0x04) != 0 ? CanState::kErrorWarning : CanState::kErrorActive);
   }
 
-  void say(Instant now, const std::string& text) {
-    if (stream) stream->send(now, view(text));
+  void say_frame(Instant now, const CanFrame& frame) {
+    text.clear();
+    append_slcan_frame(text, frame);
+    text += '\r';
+    say(now, text);
+  }
+
+  void say(Instant now, const std::string& words) {
+    if (stream) stream->send(now, view(words));
   }
 
   std::uint32_t bitrate;
@@ -92,6 +99,7 @@ struct SlcanClient::Impl : RemotePortState {
   std::unique_ptr<TcpDialer> dialer;
   std::unique_ptr<ByteStream> stream;
   SlcanLines lines;
+  std::string text;  // of a frame
   kernel::EventId ask = 0;
   bool bells_expected = false;
 };
@@ -161,14 +169,12 @@ CanSend SlcanClient::send(Instant now, const CanFrame& frame) {
     ++impl_->status.lost;
     return impl_->may_send() ? CanSend::kRefusedFull : CanSend::kRefusedState;
   }
-  impl_->say(now, slcan_frame(frame) + "\r");
+  impl_->say_frame(now, frame);
   impl_->confirm_later(now, frame);
   return CanSend::kQueued;
 }
 
-std::size_t SlcanClient::queue_room() const {
-  return impl_->may_send() ? kMaxQueuedFrames - std::min(impl_->unconfirmed, kMaxQueuedFrames) : 0;
-}
+std::size_t SlcanClient::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 void SlcanClient::set_online(Instant now, bool online) {
   if (std::exchange(impl_->online, online) == online) return;

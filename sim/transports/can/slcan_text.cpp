@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
 #include "sim/transports/can/wire_format.hpp"
 
 namespace vinv::transports {
@@ -15,13 +15,13 @@ void SlcanLines::feed(ByteView bytes, const OnLine& on_line) {
     const bool skip = std::exchange(after_cr_, c == '\r') && c == '\n';
     if (skip) continue;
     if (c == '\r') {
-      const std::string whole = std::exchange(line_, {});
-      on_line(whole);
+      const auto whole = line_;  // the handler may end us
+      on_line({whole.data(), std::exchange(size_, 0)});
     } else if (c == '\a') {
-      line_.clear();
+      size_ = 0;
       on_line("\a");
-    } else if (line_.size() <= kMaxLineBytes) {
-      line_ += c;
+    } else if (size_ < line_.size()) {
+      line_[size_++] = c;
     }
   }
 }
@@ -59,13 +59,12 @@ std::optional<CanFrame> parse_slcan_frame(std::string_view line, bool with_stamp
   return frame;
 }
 
-std::string slcan_frame(const CanFrame& frame, std::optional<std::uint16_t> stamp_ms) {
-  std::string out(1, frame.remote ? (frame.extended ? 'R' : 'r') : (frame.extended ? 'T' : 't'));
+void append_slcan_frame(std::string& out, const CanFrame& frame, std::optional<std::uint16_t> stamp_ms) {
+  out += frame.remote ? (frame.extended ? 'R' : 'r') : (frame.extended ? 'T' : 't');
   append_hex(out, frame.id, frame.extended ? 8 : 3);
   append_hex(out, frame.length, 1);
   for (const std::uint8_t byte : frame.bytes()) append_hex(out, byte, 2);
   if (stamp_ms) append_hex(out, *stamp_ms, 4);
-  return out;
 }
 
 std::uint32_t slcan_bitrate_of_registers(std::uint8_t btr0, std::uint8_t btr1) {

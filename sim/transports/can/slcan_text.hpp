@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -29,14 +30,20 @@ class SlcanLines {
   void feed(ByteView bytes, const OnLine& on_line);
 
  private:
-  std::string line_;
+  std::array<char, kMaxLineBytes + 1> line_{};
+  std::size_t size_ = 0;
   bool after_cr_ = false;
 };
 
 // Exactly one frame, in strict form; with_stamp: four digits may follow.
 std::optional<CanFrame> parse_slcan_frame(std::string_view line, bool with_stamp = false);
 // Without the CR.
-std::string slcan_frame(const CanFrame& frame, std::optional<std::uint16_t> stamp_ms = std::nullopt);
+void append_slcan_frame(std::string& out, const CanFrame& frame, std::optional<std::uint16_t> stamp_ms = std::nullopt);
+inline std::string slcan_frame(const CanFrame& frame, std::optional<std::uint16_t> stamp_ms = std::nullopt) {
+  std::string out;
+  append_slcan_frame(out, frame, stamp_ms);
+  return out;
+}
 
 // S0 to S8. S7 is 800 kbit/s in Lawicel's manuals.
 inline constexpr std::array<std::uint32_t, 9> kSlcanBitrates = {10'000,  20'000,  50'000,  100'000,  125'000,

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "sim/transports/can/error_frame.hpp"
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
 #include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/can/socketcand_text.hpp"
 #include "sim/transports/can/tcp_dialer.hpp"
@@ -94,12 +94,13 @@ struct SocketcandClient::Impl : RemotePortState {
     if (dialer) dialer->lost();
   }
 
-  void say(Instant now, const std::string& text) { stream->send(now, view(text)); }
+  void say(Instant now, const std::string& words) { stream->send(now, view(words)); }
 
   std::string bus;
   std::unique_ptr<TcpDialer> dialer;
   std::unique_ptr<ByteStream> stream;
   SocketcandMessages messages;
+  std::string text;  // of a frame
   Expects expects = Expects::kHi;
   std::string complaint;
 };
@@ -140,14 +141,14 @@ CanSend SocketcandClient::send(Instant now, const CanFrame& frame) {
     ++impl_->status.lost;
     return impl_->may_send() ? CanSend::kRefusedFull : CanSend::kRefusedState;
   }
-  impl_->say(now, socketcand_send(frame));
+  impl_->text.clear();
+  append_socketcand_send(impl_->text, frame);
+  impl_->say(now, impl_->text);
   impl_->confirm_later(now, frame);
   return CanSend::kQueued;
 }
 
-std::size_t SocketcandClient::queue_room() const {
-  return impl_->may_send() ? kMaxQueuedFrames - std::min(impl_->unconfirmed, kMaxQueuedFrames) : 0;
-}
+std::size_t SocketcandClient::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 // The connection stays: the server's side of the bus does not know of our power.
 void SocketcandClient::set_online(Instant now, bool online) {

@@ -4,19 +4,14 @@
 #include <utility>
 
 #include "sim/transports/can/error_frame.hpp"
+#include "sim/transports/can/session_text.hpp"
 
 namespace vinv::transports {
-namespace {
-
-ByteView view(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
-
-}  // namespace
-
 struct SocketcandSession::Impl : std::enable_shared_from_this<Impl> {
   enum class Mode { kNoBus, kBcm, kRaw, kEnded };
 
   Impl(kernel::Scheduler& s, const SocketcandOptions& o, std::unique_ptr<ByteStream> st, std::function<void()> end)
-      : scheduler(s), options(o), stream(std::move(st)), on_end(std::move(end)) {}
+      : scheduler(s), options(o), stream(std::move(st)), out(s, *stream), on_end(std::move(end)) {}
 
   void start(Instant now) {
     const std::weak_ptr<Impl> weak = weak_from_this();
@@ -57,6 +52,7 @@ struct SocketcandSession::Impl : std::enable_shared_from_this<Impl> {
     for (const SocketcandBus& b : options.buses) found = b.name == name ? &b : found;
     if (found == nullptr || name.size() > kMaxBusNameBytes) {
       say(now, "< error could not open bus >");
+      out.flush(now);
       stream->close();
       return end();
     }
@@ -72,7 +68,7 @@ struct SocketcandSession::Impl : std::enable_shared_from_this<Impl> {
     handlers.on_state = [weak](Instant t, const CanStatus& status) {
       const auto self = weak.lock();
       if (!self || self->mode != Mode::kRaw) return;
-      self->pass(t, socketcand_error(error_frame_of(status).error_class, self->unix_us(t)));
+      self->text(t) += " " + socketcand_error(error_frame_of(status).error_class, self->unix_us(t));
     };
     node->set_handlers(std::move(handlers));
     enter(now, Mode::kBcm);
@@ -103,25 +99,32 @@ struct SocketcandSession::Impl : std::enable_shared_from_this<Impl> {
   }
 
   void forward(Instant now, const CanFrame& frame) {
-    if (mode == Mode::kRaw) pass(now, socketcand_received(frame, unix_us(now)));
+    if (mode != Mode::kRaw) return;
+    std::string& to = text(now);
+    to += ' ';
+    append_socketcand_received(to, frame, unix_us(now));
   }
 
-  void pass(Instant now, const std::string& message) {
-    if (hold == 0) return say(now, " " + message);
-    held += " " + message;
+  // For what the bus tells.
+  std::string& text(Instant now) {
     if (held.size() > ByteStream::kMaxQueuedBytes / 2) release(now);
+    return hold != 0 ? held : out.at(now);
   }
 
   void release(Instant now) {
     if (hold != 0) scheduler.cancel(std::exchange(hold, 0));
-    if (!held.empty()) say(now, std::exchange(held, {}));
+    if (held.empty()) return;
+    out.flush(now);  // an < ok > goes alone
+    out.say(now, held);
+    held.clear();
   }
 
-  void say(Instant now, const std::string& text) { stream->send(now, view(text)); }
+  void say(Instant now, std::string_view message) { out.say(now, message); }
   std::int64_t unix_us(Instant now) const { return (options.start_unix_ns + to_ns(now)) / 1000; }
 
   void shut() {
     mode = Mode::kEnded;
+    out.drop();
     if (hold != 0) scheduler.cancel(std::exchange(hold, 0));
     node.reset();
   }
@@ -134,6 +137,7 @@ struct SocketcandSession::Impl : std::enable_shared_from_this<Impl> {
   kernel::Scheduler& scheduler;
   const SocketcandOptions& options;
   std::unique_ptr<ByteStream> stream;
+  SessionText out;
   std::function<void()> on_end;
   std::unique_ptr<CanNode> node;
   SocketcandMessages messages;

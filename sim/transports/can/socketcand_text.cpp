@@ -1,25 +1,15 @@
 #include "sim/transports/can/socketcand_text.hpp"
 
-#include <cstdio>
+#include <algorithm>
+#include <utility>
 
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
 #include "sim/transports/can/wire_format.hpp"
 
 namespace vinv::transports {
 namespace {
 
-std::string stamp(std::int64_t unix_us) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%lld.%06lld", static_cast<long long>(unix_us / 1'000'000),
-                static_cast<long long>(unix_us % 1'000'000));
-  return text;
-}
-
-std::string id_text(const CanFrame& frame) {
-  std::string out;
-  append_hex(out, frame.id, frame.extended ? 8 : 3);
-  return out;
-}
+void append_id(std::string& out, const CanFrame& frame) { append_hex(out, frame.id, frame.extended ? 8 : 3); }
 
 Result<CanFrame, std::string> parse_id(std::string_view word) {
   const auto id = parse_hex(word);
@@ -55,24 +45,33 @@ bool parse_stamp(std::string_view word, std::int64_t& unix_us) {
 }  // namespace
 
 void SocketcandMessages::feed(ByteView bytes, const OnMessage& on_message) {
-  for (const std::uint8_t byte : bytes) {
-    const char c = static_cast<char>(byte);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::size_t begin = 0;  // of the piece of a message that began here or in an earlier call
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     if (c == '<') {
       inside_ = true;
       message_.clear();
+      begin = i + 1;
     } else if (!inside_) {
       continue;
     } else if (c == '>') {
       inside_ = false;
-      const std::string whole = std::exchange(message_, {});  // the handler may feed again or end us
-      on_message(whole);
-    } else if (message_.size() == kMaxMessageBytes) {
+      const std::string_view piece = text.substr(begin, i - begin);
+      if (message_.empty()) {
+        on_message(piece);
+      } else {
+        message_ += piece;
+        const std::string whole = std::exchange(message_, {});  // the handler may end us
+        on_message(whole);
+      }
+    } else if (message_.size() + (i - begin) == kMaxMessageBytes) {
       inside_ = false;
+      message_.clear();
       ++overlong_;
-    } else {
-      message_ += c;
     }
   }
+  if (inside_) message_ += text.substr(begin);
 }
 
 SocketcandWords socketcand_words(std::string_view inside) {
@@ -101,13 +100,16 @@ Result<CanFrame, std::string> parse_socketcand_send(std::span<const std::string_
   return frame;
 }
 
-std::string socketcand_send(const CanFrame& frame) {
-  std::string out = (frame.remote ? "< sendrtr " : "< send ") + id_text(frame) + " " + std::to_string(frame.length);
+void append_socketcand_send(std::string& out, const CanFrame& frame) {
+  out += frame.remote ? "< sendrtr " : "< send ";
+  append_id(out, frame);
+  out += ' ';
+  append_hex(out, frame.length, 1);
   for (const std::uint8_t byte : frame.bytes()) {
     out += ' ';
     append_hex(out, byte, 2);
   }
-  return out + " >";
+  out += " >";
 }
 
 Result<SocketcandReceived, std::string> parse_socketcand_received(std::span<const std::string_view> words) {
@@ -124,28 +126,35 @@ Result<SocketcandReceived, std::string> parse_socketcand_received(std::span<cons
     }
     return out;
   }
-  std::string digits;
-  for (std::size_t i = 3; i < words.size(); ++i) digits += words[i];
-  if (digits.size() % 2 != 0 || digits.size() > 16) return Unexpected(std::string("bad data"));
-  for (std::size_t i = 0; i < digits.size(); i += 2) {
-    const auto byte = parse_hex(std::string_view(digits).substr(i, 2));
-    if (!byte) return Unexpected(std::string("bad data"));
-    out.frame.data[out.frame.length++] = static_cast<std::uint8_t>(*byte);
+  for (const std::string_view digits : words.subspan(3)) {
+    if (digits.size() % 2 != 0 || digits.size() > 2u * (8u - out.frame.length))
+      return Unexpected(std::string("bad data"));
+    for (std::size_t i = 0; i < digits.size(); i += 2) {
+      const auto byte = parse_hex(digits.substr(i, 2));
+      if (!byte) return Unexpected(std::string("bad data"));
+      out.frame.data[out.frame.length++] = static_cast<std::uint8_t>(*byte);
+    }
   }
   return out;
 }
 
-std::string socketcand_received(const CanFrame& frame, std::int64_t unix_us) {
-  std::string out = (frame.remote ? "< rtr " : "< frame ") + id_text(frame) + " " + stamp(unix_us) + " ";
-  if (frame.remote) out += std::to_string(frame.length);
+void append_socketcand_received(std::string& out, const CanFrame& frame, std::int64_t unix_us) {
+  out += frame.remote ? "< rtr " : "< frame ";
+  append_id(out, frame);
+  out += ' ';
+  append_stamp(out, unix_us);
+  out += ' ';
+  if (frame.remote) append_hex(out, frame.length, 1);
   for (const std::uint8_t byte : frame.bytes()) append_hex(out, byte, 2);
-  return out + " >";
+  out += " >";
 }
 
 std::string socketcand_error(std::uint32_t error_class, std::int64_t unix_us) {
   std::string out = "< error ";
   append_hex(out, error_class, error_class > 0xfff ? 8 : 3);
-  return out + " " + stamp(unix_us) + " >";
+  out += ' ';
+  append_stamp(out, unix_us);
+  return out + " >";
 }
 
 }  // namespace vinv::transports

@@ -26,7 +26,8 @@ struct UdpMulticastPort::Impl : RemotePortState {
     // Two sockets: by what the second sends from, we know our own datagrams when they come back.
     in.open(to.protocol(), error);
     if (!error) in.set_option(udp::socket::reuse_address(true), error);
-    if (!error) in.bind(udp::endpoint(to.protocol(), options.port), error);
+    // To the group and not to any address, which would bring us all groups of this machine on this port.
+    if (!error) in.bind(to, error);
     if (!error) in.set_option(asio::ip::multicast::join_group(group), error);
     if (!error) in.non_blocking(true, error);
     if (!error) out.open(to.protocol(), error);
@@ -110,9 +111,7 @@ CanSend UdpMulticastPort::send(Instant now, const CanFrame& frame) {
   return CanSend::kQueued;
 }
 
-std::size_t UdpMulticastPort::queue_room() const {
-  return impl_->may_send() ? kMaxQueuedFrames - std::min(impl_->unconfirmed, kMaxQueuedFrames) : 0;
-}
+std::size_t UdpMulticastPort::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 void UdpMulticastPort::set_online(Instant now, bool online) {
   if (std::exchange(impl_->online, online) == online) return;

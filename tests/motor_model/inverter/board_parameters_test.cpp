@@ -1,5 +1,5 @@
 // Parameters that act through the option board OI-FR-E5NCO, and the alarm bits that it shows, with a real FR-E500
-// behind it. OI-FR-E5NCO manual: 5.1 (Pr.345), 8.3 (Pr.347), 8.7 (registers).
+// behind it. OI-FR-E5NCO manual: 5.1 (Pr.345, Pr.346), 8.3 (Pr.347), 8.7 (registers).
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "option_boards/boards/make_board.hpp"
 #include "parameter_bench.hpp"
@@ -40,6 +40,16 @@ class BoardOnDrive {
     const Bytes answer = ask(3, address, 1);
     EXPECT_EQ(answer.size(), 4u);
     return answer.size() == 4 ? read_be16(answer, 2) : 0u;
+  }
+  std::uint32_t bit_rate() { return board->can_channel()->bit_rate(); }
+  void power_cycle() {
+    board->handle_power(drive.now(), false);
+    drive->set_power(false);
+    run(5);
+    drive->set_power(true);
+    run(1);
+    board->handle_power(drive.now(), true);
+    run(0.01);
   }
   bool write(unsigned address, unsigned value) {
     const Bytes answer = ask(6, address, value);
@@ -96,6 +106,28 @@ TEST(BoardParameters, Pr345IsTheNodeAndPr347TheSerialLine) {
   EXPECT_EQ(b.board->serial_channel()->line_settings(),
             (boards::LineSettings{.baud = 19200, .parity = boards::LineSettings::Parity::kEven}));
   EXPECT_EQ(BoardOnDrive({{"Pr.345", 100}}).board->modbus_unit()->address(), 42);  // the switches
+}
+
+TEST(BoardParameters, Pr346IsTheBitRateOnCanFromThePowerOnAfterItsChange) {
+  EXPECT_EQ(BoardOnDrive({}).bit_rate(), 125'000u);  // 132 = 84H
+  constexpr std::uint32_t kRates[] = {1'000'000, 500'000, 250'000, 125'000, 100'000, 62'500, 50'000, 20'000};
+  for (unsigned code = 1; code <= 8; ++code) {
+    EXPECT_EQ(BoardOnDrive({{"Pr.346", code}}).bit_rate(), kRates[code - 1]) << code;
+    EXPECT_EQ(BoardOnDrive({{"Pr.346", 0xF0 + code}}).bit_rate(), kRates[code - 1]) << code;
+  }
+  for (const int code : {0, 9, 11, 15}) EXPECT_EQ(BoardOnDrive({{"Pr.346", code}}).bit_rate(), 125'000u) << code;
+  BoardOnDrive b({});
+  ASSERT_TRUE(b.write(26000, 1));
+  ASSERT_TRUE(b.write(address_of(346), 2));
+  ASSERT_TRUE(b.write(address_of(345), 17));
+  b.run(0.1);
+  ASSERT_TRUE(b.write(25002, 0));  // an inverter reset is no power-on
+  b.run(2);
+  EXPECT_EQ(b.bit_rate(), 125'000u);
+  EXPECT_EQ(b.board->can_channel()->node(), 63);
+  b.power_cycle();
+  EXPECT_EQ(b.bit_rate(), 500'000u);
+  EXPECT_EQ(b.board->can_channel()->node(), 17);
 }
 
 TEST(BoardParameters, Pr347AcknowledgesBeforeTheInverterRefuses) {

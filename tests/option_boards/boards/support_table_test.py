@@ -105,7 +105,7 @@ class SupportTable(unittest.TestCase):
         self.assertIn("does not say why",
                       self.problems_of_parameter(self.RESTART.replace("yes,Coasting", "no,Coasting")))
 
-    def test_alarms_terminals_and_registers_need_a_test_each(self):
+    def test_each_row_of_the_other_tables_needs_a_test(self):
         family = "motor_model/families/mitsubishi_e500/"
         self.put(family + "alarms.csv", "name,data_code_hex,cause,retry_pr65,reset,test\nE.OC1,10,Current,0|1,any,\n"
                                         "none,00,No alarm,,,\n")
@@ -113,12 +113,23 @@ class SupportTable(unittest.TestCase):
                                            "input,180-183,3,RT,Second,,\n")
         self.put("docs/family.md", "<!-- support-table: fr-e500-alarms -->\n<!-- end support-table -->\n"
                                    "<!-- support-table: fr-e500-terminals -->\n<!-- end support-table -->\n")
+        self.put("option_boards/boards/oi_fr_e5nco/objects.csv",
+                 "first,last,sub_first,sub_last,type,access,pdo,default,min,max,name,test\n"
+                 "1000,,0,,UNSIGNED32,RO,,,,,Device type,\n")
+        self.put("option_boards/boards/oi_fr_e5nco/emergency_codes.csv",
+                 "alarm,data_code_hex,error_code_hex,error_register_hex,test\nE.GF,80,2330,03,\n")
+        self.put("docs/boards/oi-fr-e5nco-services.csv", "section,service,behaviour,test\n6.1,SDO,Expedited,\n")
+        self.put("docs/can.md", "".join(f"<!-- support-table: oi-fr-e5nco-{name} -->\n<!-- end support-table -->\n"
+                                        for name in ("objects", "emergencies", "services")))
         self.put("option_boards/boards/oi_fr_e5nco/registers.csv", HEADER + ROW.replace("Map.Analog", ""))
         errors = self.run_script().stderr
         self.assertIn("E.OC1 names no test", errors)
         self.assertNotIn("none names no test", errors)
         self.assertIn("input RT names no test", errors)
         self.assertIn("24006 names no test", errors)
+        self.assertIn("1000H:0 names no test", errors)
+        self.assertIn("E.GF names no test", errors)
+        self.assertIn("SDO names no test", errors)
 
 
 if __name__ == "__main__":

@@ -92,7 +92,7 @@ TEST_F(CanopenSlaveNmt, ResetsGiveTheCommunicationObjectsTheirDefaults) {
   for (const char* reset : {"000#8105", "000#8205"}) {
     drain();
     EXPECT_EQ(write(0x1005, 0, 0x90, 4), "ok");
-    EXPECT_EQ(write(0x1014, 0, 0x95, 4), "ok");
+    EXPECT_EQ(write(0x1014, 0, 0x80000095, 4), "ok");
     EXPECT_EQ(write(0x100c, 0, 100, 2), "ok");
     EXPECT_EQ(write(0x100d, 0, 3, 1), "ok");
     map(0x1600, {0x20000010});
@@ -177,6 +177,21 @@ TEST_F(CanopenSlaveGuarding, EachRequestRestartsTheLifeTimeAndEndsALoss) {
   tell("705#R1");
   EXPECT_EQ(guarding, (std::vector<bool>{true, false}));
   advance(200ms);
+  EXPECT_EQ(guarding, (std::vector<bool>{true, false, true}));
+}
+
+TEST_F(CanopenSlaveGuarding, NewLifeTimeOfALostMasterCountsFromItsNextRequest) {
+  drain();
+  write(0x100c, 0, 100, 2);
+  write(0x100d, 0, 1, 1);
+  tell("705#R1");
+  advance(100ms);
+  EXPECT_EQ(guarding, std::vector<bool>{true});
+  write(0x100c, 0, 50, 2);
+  advance(10s);
+  EXPECT_EQ(guarding, std::vector<bool>{true});  // it is lost already
+  tell("705#R1");
+  advance(50ms);
   EXPECT_EQ(guarding, (std::vector<bool>{true, false, true}));
 }
 

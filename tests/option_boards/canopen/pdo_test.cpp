@@ -91,11 +91,11 @@ TEST_F(CanopenSlaveRpdo, CobIdMovesWhenThePdoIsTakenAwayFirst) {
 
 TEST_F(CanopenSlaveRpdo, CobIdsThatAreTakenOrNoneAreRefused) {
   EXPECT_EQ(write(0x1400, 1, 0x80000205, 4), "ok");
-  for (const std::uint32_t id : {0x000u, 0x101u, 0x180u, 0x581u, 0x5ffu, 0x601u, 0x67fu, 0x6e0u, 0x701u, 0x7ffu, 0x800u,
-                                 0x20000205u, 0x205u | 1u << 28}) {
+  for (const std::uint32_t id : {0x000u, 0x001u, 0x101u, 0x180u, 0x581u, 0x5ffu, 0x601u, 0x67fu, 0x6e0u, 0x701u, 0x7ffu,
+                                 0x800u, 0x20000205u, 0x205u | 1u << 28}) {
     EXPECT_EQ(write(0x1400, 1, id, 4), "06090030") << id;
   }
-  for (const std::uint32_t id : {0x001u, 0x100u, 0x181u, 0x580u, 0x600u, 0x680u, 0x6dfu, 0x700u}) {
+  for (const std::uint32_t id : {0x002u, 0x100u, 0x181u, 0x580u, 0x600u, 0x680u, 0x6dfu, 0x700u}) {
     EXPECT_EQ(write(0x1400, 1, id, 4), "ok") << id;
     EXPECT_EQ(write(0x1400, 1, id | 0x80000000, 4), "ok") << id;
   }
@@ -239,6 +239,13 @@ TEST_F(CanopenSlaveTpdo, NothingIsSentOutsideOperational) {
   EXPECT_EQ(tell("000#0105"), kSeven);
 }
 
+TEST_F(CanopenSlaveTpdo, WhatTheBusDidNotTakeIsForgottenOutsideOperational) {
+  start(1);
+  slave.handle_frame(now, can("080#"));
+  EXPECT_EQ(tell("000#8005"), "");
+  EXPECT_EQ(tell("000#0105"), "");
+}
+
 TEST_F(CanopenSlaveTpdo, BusyBusGetsTheLatestDataOnce) {
   start(1);
   values[0] = 1;
@@ -263,6 +270,9 @@ TEST_F(CanopenSlaveSync, CobIdOfSyncCanBeChanged) {
   EXPECT_EQ(write(0x1005, 0, 0x20000080, 4), "06090030");  // 11 bits
   EXPECT_EQ(write(0x1005, 0, 0, 4), "06090030");
   EXPECT_EQ(write(0x1005, 0, 0x605, 4), "06090030");
+  EXPECT_EQ(write(0x1005, 0, 0x80000081, 4), "ok");  // bit 31 has no meaning
+  EXPECT_EQ(read(0x1005, 0), "=80000081");
+  EXPECT_EQ(tell("081#"), "185#000000000000");
 }
 
 class CanopenSlaveMapping : public SlaveBench {
@@ -356,6 +366,13 @@ TEST_F(CanopenSlaveEmergency, StoppedNodeKeepsTheMostRecentForLater) {
   EXPECT_EQ(tell("000#8005"), "085#0020000000000000");
 }
 
+TEST_F(CanopenSlaveEmergency, WhatTheBusDidNotTakeBeforeAStopIsForgottenButForTheMostRecent) {
+  slave.send_emergency({0x1000, {}});
+  slave.send_emergency({0x2000, {}});
+  EXPECT_EQ(tell("000#0205"), "");
+  EXPECT_EQ(tell("000#8005"), "085#0020000000000000");
+}
+
 TEST_F(CanopenSlaveEmergency, QueueHasALimitAndLosesTheOldest) {
   for (std::uint16_t i = 0; i < 20; ++i) slave.send_emergency({i, {}});
   std::vector<CanFrame> sent;
@@ -366,12 +383,18 @@ TEST_F(CanopenSlaveEmergency, QueueHasALimitAndLosesTheOldest) {
 }
 
 TEST_F(CanopenSlaveEmergency, CobIdOfEmergencyCanBeChangedAndTakenAway) {
-  EXPECT_EQ(write(0x1014, 0, 0x95, 4), "ok");
-  slave.send_emergency({0x1000, {}});
-  EXPECT_EQ(drain(), "095#0010000000000000");
+  EXPECT_EQ(write(0x1014, 0, 0x95, 4), "08000022");  // 85H exists
+  EXPECT_EQ(read(0x1014, 0), "=00000085");
+  EXPECT_EQ(write(0x1014, 0, 0x85, 4), "ok");  // the same again changes nothing
   EXPECT_EQ(write(0x1014, 0, 0x80000095, 4), "ok");
   slave.send_emergency({0x1000, {}});
   EXPECT_EQ(drain(), "");
+  EXPECT_EQ(write(0x1014, 0, 0x95, 4), "ok");
+  slave.send_emergency({0x1000, {}});
+  EXPECT_EQ(drain(), "095#0010000000000000");
+  slave.send_emergency({0x1000, {}});  // not sent yet
+  slave.handle_frame(now, sdo(0x23, 0x1014, 0, 0x80000095));
+  EXPECT_EQ(drain(), "585#6014100000000000");
   EXPECT_EQ(write(0x1014, 0, 0x605, 4), "06090030");
   EXPECT_EQ(write(0x1014, 0, 0x20000095, 4), "06090030");
   EXPECT_EQ(write(0x1014, 0, 0x40000095, 4), "06090030");

@@ -6,6 +6,7 @@
 #include "sim/base/bytes.hpp"
 #include "sim/base/random.hpp"
 #include "sim/base/result.hpp"
+#include "sim/base/table_text.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv {
@@ -53,6 +54,21 @@ TEST(ResultDeathTest, AskingForWhatIsNotThereIsABugOfOurs) {
   const Result<int, std::string> good = 1;
   EXPECT_DEATH(static_cast<void>(bad.value()), "broken invariant");
   EXPECT_DEATH(static_cast<void>(good.error()), "broken invariant");
+}
+
+TEST(TableText, FieldsAreTakenOneByOneAndEmptyOnesHaveAFallback) {
+  std::string_view line = "3F,,0x10,-5";
+  EXPECT_EQ(number_of_field<std::uint8_t>(take_until(line, ','), 0, 16), 0x3f);
+  EXPECT_EQ(number_of_field<std::uint16_t>(take_until(line, ','), 7), 7);
+  EXPECT_EQ(number_of_field<std::uint16_t>(take_until(line, ','), 0), 16);
+  EXPECT_EQ(number_of_field<std::int64_t>(take_until(line, ','), 0), -5);
+  EXPECT_TRUE(line.empty());
+}
+
+TEST(TableTextDeathTest, FieldThatIsNoNumberOfItsTypeIsABugOfOurs) {
+  for (const std::string_view field : {"256", "-1", "1x", "x"}) {
+    EXPECT_DEATH(static_cast<void>(number_of_field<std::uint8_t>(field, 0)), "broken invariant") << field;
+  }
 }
 
 TEST(Random, SequenceIsPartOfTheTrace) {

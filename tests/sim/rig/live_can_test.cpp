@@ -165,6 +165,16 @@ TEST_F(LiveCanTest, EndpointsAreListedAndSlcanIsOnTheSameBus) {
   });
 }
 
+TEST_F(LiveCanTest, ABoardThatIsSetToAnotherBitRateIsTold) {
+  const std::string drive = drive_on("can: virtual, bitrate: 1M, socketcand: 127.0.0.1:0");
+  serve(drive,
+        [&](LivePlant& live, const Json&) { EXPECT_EQ(live.table().find("cannot communicate"), std::string::npos); });
+  options_.fresh = true;
+  serve(drive + "    parameters: { Pr.346: 132 }\n", [&](LivePlant& live, const Json&) {
+    EXPECT_NE(live.table().find("the board is set to 125 kbit/s and cannot communicate"), std::string::npos);
+  });
+}
+
 TEST_F(LiveCanTest, BusesWithOneAddressAreOneServerAndToldApartByTheirChannel) {
   // A free port that is then written twice.
   std::string port;
@@ -206,6 +216,17 @@ TEST_F(LiveCanTest, WhatCannotBeOpenedIsToldWithItsPlaceAndWhatIsAllowed) {
     EXPECT_EQ(refusal(drive_on("can: virtual, socketcand: none, slcan: " + taken)).find("p.yaml:2:50: network line: "),
               0u);
   });
+  {
+    transports::EventLoop loop;
+    const auto taken = transports::TcpListener::open(loop, {.host = "127.0.0.1", .port = transports::kSocketcandPort},
+                                                     [](Instant, std::unique_ptr<transports::ByteStream>) {});
+    // Held by this test, or by another program of this machine; in use in either case.
+    static_cast<void>(taken);
+    const std::string told = refusal("drives:\n  - board: { modbus_tcp: none, modbus_rtu: none }\n");
+    EXPECT_EQ(told.find("p.yaml:2:5: network can0: cannot listen on 127.0.0.1:29536: "), 0u) << told;
+    EXPECT_NE(told.find("networks: { can0: { can: virtual, socketcand: \"127.0.0.1:0\" } }"), std::string::npos)
+        << told;
+  }
   const std::string missing = refusal(drive_on("can: socketcan:nowhere0"));
   EXPECT_EQ(missing.find("p.yaml:2:16: network line: cannot use CAN interface nowhere0: "), 0u) << missing;
   EXPECT_NE(missing.find("allowed: a CAN interface of this machine"), std::string::npos) << missing;

@@ -215,6 +215,26 @@ TEST_F(OiFrE5ncoCanopenEmergency, SynchronousTpdoAskedForBeforeASyncIsAnError) {
   EXPECT_EQ(tell("199#R8"), "199#0000000000000000");
 }
 
+TEST_F(OiFrE5ncoCanopenEmergency, StoringThatFailsBehindAnotherAlarmIsReportedOnce) {
+  network();
+  map(0x1601, {0x30070010});
+  alarm(0x22);
+  wait(50ms);
+  drive.storage_fails = true;
+  EXPECT_EQ(write(0x3007, 0, 70, 2), "06060000");
+  EXPECT_EQ(emergencies(), "3055053E00050000");
+  tell("319#4600");
+  EXPECT_EQ(wait(20ms), "");  // told already
+  drive.storage_fails = false;
+  tell("319#4600");
+  EXPECT_EQ(wait(20ms), "");
+  drive.storage_fails = true;
+  tell("319#4600");  // a PDO has no other answer
+  EXPECT_EQ(wait(20ms), "099#3055053E00050000");
+  alarm(0xb0);
+  EXPECT_EQ(wait(60ms), "099#3055013EB0050000");  // the alarm of the storage itself
+}
+
 TEST_F(OiFrE5ncoCanopenEmergency, LifeTimeExpiredIsAnErrorUntilTheMasterAsksAgain) {
   EXPECT_EQ(write(0x100c, 0, 100, 2), "ok");
   EXPECT_EQ(write(0x100d, 0, 3, 1), "ok");

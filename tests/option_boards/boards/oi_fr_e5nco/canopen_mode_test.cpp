@@ -146,6 +146,41 @@ TEST_F(OiFrE5ncoCanopenMode, LossOfTheMasterDoesWhat6007Says) {
   }
 }
 
+TEST_F(OiFrE5ncoCanopenMode, BusOffDoesWhat6007Says) {
+  const std::pair<std::uint32_t, std::optional<std::uint16_t>> reactions[] = {
+      {0, std::nullopt}, {2, bit(Terminal::kMrs)}, {3, bit(Terminal::kRl)}};
+  drive.parameters[180] = {3, 0, 18};
+  network();
+  for (const auto& [option, expected] : reactions) {
+    EXPECT_EQ(write(0x6007, 0, option, 2), "ok");
+    tell("219#02008813");
+    wait(20ms);
+    drive.executed.clear();
+    bus().set_bus_off(now, true);
+    bus().set_bus_off(now, true);
+    wait(20ms);
+    ASSERT_EQ(drive.executed.size(), expected ? 1u : 0u) << option;
+    if (expected) {
+      EXPECT_EQ(terminals(0), *expected) << option;
+    }
+    bus().set_bus_off(now, false);
+  }
+}
+
+TEST_F(OiFrE5ncoCanopenMode, StartThatFindsNoRoomIsReported) {
+  tell("000#8019");
+  drive.is_ready = true;
+  drive.ticks_to_decide = 10'000;
+  // A client that never waits: each write is abandoned by the next and waits for the inverter.
+  for (unsigned i = 0; i < 40; ++i) tell("619#2B07300037000000");
+  EXPECT_EQ(tell("000#0119"), "099#0010001519050000");
+  drive.ticks_to_decide = 1;
+  wait(100ms);
+  tell("000#0119");
+  wait(5ms);
+  EXPECT_EQ(drive.mode, OperationMode::kNetwork);
+}
+
 TEST_F(OiFrE5ncoCanopenMode, LossOfTheMasterLeavesOtherModesAlone) {
   EXPECT_EQ(write(0x6007, 0, 2, 2), "ok");
   EXPECT_EQ(write(0x100c, 0, 50, 2), "ok");
@@ -169,6 +204,34 @@ TEST_F(OiFrE5ncoCanopenMode, ReactionOvertakesWhatWaits) {
     if (write.kind == Kind::kCommand) last = write.terminals.bits;
   }
   EXPECT_EQ(last, bit(Terminal::kMrs));
+}
+
+TEST_F(OiFrE5ncoCanopenMode, ReactionIsTheNextThingThatTheInverterDoes) {
+  map(0x1601, {0x30070010});
+  network();
+  EXPECT_EQ(write(0x6007, 0, 2, 2), "ok");
+  drive.ticks_to_decide = 5;
+  tell("219#02008813");
+  tell("319#3200");
+  tell("000#0219");
+  wait(15ms);
+  ASSERT_GE(drive.executed.size(), 2u);
+  EXPECT_EQ(terminals(0), bit(Terminal::kStf));  // was with the inverter already
+  EXPECT_EQ(terminals(1), bit(Terminal::kMrs));
+}
+
+TEST_F(OiFrE5ncoCanopenMode, RefusalIsReportedAgainAfterAnNmtCommand) {
+  network();
+  drive.mode = OperationMode::kPu;
+  drive.refuse_decision = port::Refusal::kWrongMode;
+  tell("219#02008813");
+  EXPECT_EQ(wait(10ms), "099#0010001513050000 099#0010001513050000");
+  tell("219#02008813");
+  EXPECT_EQ(wait(10ms), "");
+  tell("000#0119");
+  wait(10ms);
+  tell("219#02008813");
+  EXPECT_EQ(wait(10ms), "099#0010001513050000 099#0010001513050000");
 }
 
 TEST_F(OiFrE5ncoCanopenMode, BootingDoesNotUndoPr340) {
@@ -225,6 +288,42 @@ TEST_F(OiFrE5ncoCanopenBesideModbus, LastOneAtStandstillDecidesTheMode) {
   EXPECT_EQ(drive.mode, OperationMode::kNetwork);
 }
 
+TEST_F(OiFrE5ncoCanopenBesideModbus, LaterRequestOfModbusCallsLeavingOff) {
+  network();
+  drive.refuse_decision.reset();
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 06 65 90 00 01");  // before: does not count
+  drive.signals_on.set(Terminal::kStf, true);
+  tell("000#8019");
+  wait(50ms);
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 06 65 90 00 01");
+  drive.signals_on = {};
+  wait(500ms);
+  EXPECT_EQ(drive.mode, OperationMode::kNetwork);
+  drive.signals_on.set(Terminal::kStf, true);
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 06 65 90 00 01");
+  tell("000#8019");
+  drive.refuse_decision = port::Refusal::kModeChangeRefused;
+  EXPECT_EQ(modbus("19 06 65 90 00 01"), "19 86 05");  // refused: does not count
+  drive.refuse_decision.reset();
+  drive.signals_on = {};
+  wait(500ms);
+  EXPECT_EQ(drive.mode, OperationMode::kExternal);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, EarlierRequestOfModbusThatIsDecidedLaterDoesNotCount) {
+  network();
+  drive.signals_on.set(Terminal::kStf, true);
+  drive.ticks_to_decide = 30;
+  EXPECT_EQ(modbus("19 06 65 90 00 01", 15ms), "");
+  tell("000#8019");
+  wait(50ms);
+  ASSERT_EQ(sent.size(), 1u);
+  drive.ticks_to_decide = 1;
+  drive.signals_on = {};
+  wait(50ms);
+  EXPECT_EQ(drive.mode, OperationMode::kExternal);
+}
+
 TEST_F(OiFrE5ncoCanopenBesideModbus, EachSeesWhatTheOtherWrote) {
   network();
   EXPECT_EQ(write(0x3007, 0, 77, 2), "ok");
@@ -237,15 +336,55 @@ TEST_F(OiFrE5ncoCanopenBesideModbus, EachSeesWhatTheOtherWrote) {
   EXPECT_EQ(drive.executed[drive.executed.size() - 2].terminals.bits, bit(Terminal::kStop));
 }
 
-TEST_F(OiFrE5ncoCanopenBesideModbus, MailboxIsBusyForModbusWhileCanopenWaits) {
+TEST_F(OiFrE5ncoCanopenBesideModbus, ModbusWaitsWhileCanopenHasTheMailbox) {
   network();
   drive.ticks_to_decide = 50;
   EXPECT_EQ(tell("619#2B07300037000000"), "");
-  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 20ms), "19 86 06");
-  EXPECT_EQ(wait(50ms), "599#6007300000000000");
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 45ms), "");
+  EXPECT_EQ(wait(10ms), "599#6007300000000000");
   EXPECT_EQ(drive.parameters[7].value, 55u);
+  EXPECT_TRUE(sent.empty());
+  wait(50ms);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(to_hex(ByteView(sent[0].bytes).first(6)), "19 06 4E 2E 00 4E");
+  EXPECT_EQ(drive.parameters[7].value, 78u);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, FloodOfPdosDoesNotKeepModbusFromWriting) {
+  network();
+  drive.ticks_to_decide = 2;
+  sent.clear();
+  receive(frame("19 06 4E 2E 00 4E"));
+  for (int i = 0; i < 20; ++i) {
+    tell("219#02008813");
+    advance(1ms);
+  }
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(to_hex(ByteView(sent[0].bytes).first(6)), "19 06 4E 2E 00 4E");
+  EXPECT_EQ(drive.parameters[7].value, 78u);
+  EXPECT_GT(drive.executed.size(), 5u);
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, WriteThatWaitsForARestartingInverterIsNotReady) {
+  network();
+  drive.ticks_to_decide = 30;
+  EXPECT_EQ(tell("619#2B07210000000000"), "");
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 60ms), "19 86 04");
+  EXPECT_EQ(taken(), "599#6007210000000000");
+}
+
+TEST_F(OiFrE5ncoCanopenBesideModbus, WriteThatWaitedWhenTheSupplyWentIsForgotten) {
+  network();
+  drive.ticks_to_decide = 30;
+  EXPECT_EQ(tell("619#2B07300037000000"), "");
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4E", 10ms), "");
   drive.ticks_to_decide = 1;
-  EXPECT_EQ(modbus("19 06 4E 2E 00 4E"), "19 06 4E 2E 00 4E");
+  drive.executed.clear();
+  power_cycle();
+  wait(100ms);
+  EXPECT_TRUE(drive.executed.empty());
+  EXPECT_EQ(modbus("19 06 4E 2E 00 4F"), "19 06 4E 2E 00 4F");
+  EXPECT_EQ(write(0x3007, 0, 56, 2), "ok");
 }
 
 TEST_F(OiFrE5ncoCanopenBesideModbus, CanopenWaitsWhileModbusHasTheMailbox) {

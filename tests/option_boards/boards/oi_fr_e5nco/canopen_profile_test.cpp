@@ -113,6 +113,17 @@ TEST(OiFrE5ncoDriveProfile, EveryCommandInEveryState) {
   }
 }
 
+TEST(OiFrE5ncoDriveProfile, QuickStopLastsUntilATickHasShownWhetherTheMotorTurns) {
+  DriveProfile profile;
+  for (const std::uint16_t word : {0x06, 0x07, 0x0f, 0x02}) profile.handle_controlword(word);
+  profile.follow(false, false);
+  EXPECT_EQ(profile.state(), DriveState::kQuickStopActive);
+  profile.follow(false, true);
+  EXPECT_EQ(profile.state(), DriveState::kQuickStopActive);
+  profile.follow(false, false);
+  EXPECT_EQ(profile.state(), DriveState::kSwitchOnDisabled);
+}
+
 TEST_F(OiFrE5ncoCanopenProfile, EveryTransitionOfTheStateMachine) {
   EXPECT_EQ(state(), kSwitchOnDisabled);  // after power-on
   EXPECT_EQ(control(0x06), "ok");         // 2
@@ -228,10 +239,36 @@ TEST_F(OiFrE5ncoCanopenProfile, OperationThatTheInverterRefusesIsNotEnabled) {
   EXPECT_EQ(state(), kEnabled);
 }
 
+TEST_F(OiFrE5ncoCanopenProfile, OperationIsNotEnabledWhileTheInverterIsNotReady) {
+  control(0x06);
+  control(0x07);
+  drive.is_ready = false;
+  EXPECT_EQ(control(0x0f), "08000022");
+  EXPECT_EQ(state(), kSwitchedOn);
+}
+
+TEST_F(OiFrE5ncoCanopenProfile, TargetsThatWaitAreTakenBackTogether) {
+  write(0x6042, 0, 1500, 2);
+  enable();
+  map(0x1601, {0x30070010});
+  map(0x1602, {0x60420010});
+  drive.ticks_to_decide = 5;
+  tell("319#3200");  // is with the inverter
+  tell("419#E803");  // 1000 rpm waits,
+  tell("419#204E");  // and 20000 rpm takes its place and is refused
+  EXPECT_EQ(read(0x6042), "=4E20");
+  EXPECT_EQ(wait(20ms), "099#0010001511050000");
+  EXPECT_EQ(read(0x6042), "=05DC");
+}
+
 TEST_F(OiFrE5ncoCanopenProfile, HaltReleasesTheStartSignals) {
   enable();
+  drive.status_now.running = drive.status_now.up_to_frequency = true;
   EXPECT_EQ(control(0x10f), "ok");
   EXPECT_EQ(state(), kEnabled);
+  EXPECT_EQ(statusword() & 0x0400u, 0u);  // the target is standstill now
+  drive.status_now.running = drive.status_now.up_to_frequency = false;
+  EXPECT_EQ(statusword() & 0x0400u, 0x0400u);
   EXPECT_EQ(drive.executed.back().terminals.bits, 0);
   EXPECT_EQ(control(0x0f), "ok");
   EXPECT_EQ(drive.executed.back().terminals.bits, bit(Terminal::kStf));
@@ -329,6 +366,18 @@ TEST_F(OiFrE5ncoCanopenProfile, RunsByPdo) {
   tell("319#0F000000");
   EXPECT_NE(wait(10ms).find("099#0010001512050000"), std::string::npos);
   EXPECT_EQ(state(), kSwitchedOn);
+}
+
+TEST_F(OiFrE5ncoCanopenProfile, RestartOfTheInverterDisablesOperation) {
+  enable();
+  EXPECT_EQ(write(0x2107, 0, 0, 2), "ok");
+  wait(2ms);
+  EXPECT_EQ(state(), kSwitchOnDisabled);
+  wait(200ms);
+  drive.executed.clear();
+  EXPECT_EQ(control(0x0f), "ok");  // not before Ready to switch on
+  EXPECT_EQ(state(), kSwitchOnDisabled);
+  EXPECT_TRUE(drive.executed.empty());
 }
 
 TEST_F(OiFrE5ncoCanopenProfile, ResetNodeForgetsTheStateAndResetCommunicationDoesNot) {

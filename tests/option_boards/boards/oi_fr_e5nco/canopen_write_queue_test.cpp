@@ -80,6 +80,21 @@ TEST_F(OiFrE5ncoWriteQueue, HasALimit) {
   EXPECT_EQ(values[1], 0u);
 }
 
+TEST_F(OiFrE5ncoWriteQueue, UrgentWriteTakesTheRoomOfOneThatNobodyAwaits) {
+  for (std::uint32_t i = 0; i < WriteQueue::kCapacity - 2; ++i) {
+    EXPECT_TRUE(queue.put(job(WriteOrigin::kInternal, WriteTopic::kOther, i)));
+  }
+  EXPECT_TRUE(queue.put(job(WriteOrigin::kNmt, WriteTopic::kMode, 60)));
+  EXPECT_TRUE(queue.put(job(WriteOrigin::kSdo, WriteTopic::kOther, 70)));
+  queue.put_first(job(WriteOrigin::kInternal, WriteTopic::kRun, 50));
+  const auto values = run();
+  ASSERT_EQ(values.size(), WriteQueue::kCapacity);
+  EXPECT_EQ(values[0], 50u);
+  EXPECT_EQ(values[WriteQueue::kCapacity - 3], WriteQueue::kCapacity - 4);  // the last one before is gone
+  EXPECT_EQ(values[WriteQueue::kCapacity - 2], 60u);
+  EXPECT_EQ(values[WriteQueue::kCapacity - 1], 70u);
+}
+
 TEST_F(OiFrE5ncoWriteQueue, FirstRefusalEndsAJobOfTwoSteps) {
   WriteJob two = job(WriteOrigin::kPdo, WriteTopic::kRun, 50000);
   two.add({.kind = Kind::kCommand});
@@ -101,20 +116,58 @@ TEST_F(OiFrE5ncoWriteQueue, ClearedQueueTellsNobodyOfWhatIsWithTheInverter) {
   EXPECT_EQ(finished[0].job.origin, WriteOrigin::kInternal);
 }
 
-TEST_F(OiFrE5ncoWriteQueue, OnlyTheOneWhoPostedGetsTheOutcome) {
-  MailboxUser owner = MailboxUser::kNobody;
-  MailboxShare modbus(drive, owner, MailboxUser::kModbus), canopen(drive, owner, MailboxUser::kCanopen);
+TEST_F(OiFrE5ncoWriteQueue, SharesOfTheMailboxTakeTurns) {
+  Mailbox mailbox;
+  MailboxShare modbus(drive, mailbox, MailboxUser::kModbus), canopen(drive, mailbox, MailboxUser::kCanopen);
   ASSERT_TRUE(modbus.post_write(now, {.kind = Kind::kFrequency, .value = 1}));
-  EXPECT_EQ(canopen.post_write(now, {.kind = Kind::kFrequency}).error(), port::Refusal::kBusy);
-  drive.tick();
-  EXPECT_FALSE(canopen.take_outcome());
-  EXPECT_FALSE(canopen.write_pending());
-  EXPECT_EQ(canopen.post_write(now, {.kind = Kind::kFrequency}).error(), port::Refusal::kBusy);
-  EXPECT_TRUE(modbus.take_outcome());
+  EXPECT_EQ(modbus.post_write(now, {.kind = Kind::kFrequency}).error(), port::Refusal::kBusy);
   ASSERT_TRUE(canopen.post_write(now, {.kind = Kind::kFrequency, .value = 2}));
-  drive.lose_mailbox();
+  EXPECT_EQ(canopen.post_write(now, {.kind = Kind::kFrequency}).error(), port::Refusal::kBusy);
+  EXPECT_TRUE(canopen.write_pending());
+  drive.tick();
+  EXPECT_FALSE(canopen.take_outcome());  // the one that is there is not its own
+  EXPECT_TRUE(modbus.take_outcome());
+  EXPECT_FALSE(modbus.write_pending());
+  ASSERT_TRUE(modbus.post_write(now, {.kind = Kind::kFrequency, .value = 3}));  // after CANopen's
+  drive.tick();
   EXPECT_FALSE(modbus.take_outcome());
+  EXPECT_TRUE(canopen.take_outcome());
+  drive.tick();
+  EXPECT_TRUE(modbus.take_outcome());
+  EXPECT_EQ(run(0), (std::vector<std::uint32_t>{1, 2, 3}));
+}
+
+TEST_F(OiFrE5ncoWriteQueue, CommandIsNotBlamedForWhatModbusCouldNotStore) {
+  Mailbox mailbox;
+  MailboxShare modbus(drive, mailbox, MailboxUser::kModbus), canopen(drive, mailbox, MailboxUser::kCanopen);
+  drive.storage_fails = true;
+  ASSERT_TRUE(modbus.post_write(now, {.kind = Kind::kParameter, .parameter = {7, 0}, .value = 60}));
+  queue.put(job(WriteOrigin::kSdo, WriteTopic::kFrequency, 2));
+  EXPECT_FALSE(queue.advance(now, canopen));
+  drive.tick();
+  EXPECT_TRUE(modbus.take_outcome());
+  EXPECT_EQ(drive.storage_failures(), 1u);
+  drive.tick();
+  const auto done = queue.advance(now, canopen);
+  ASSERT_TRUE(done);
+  EXPECT_TRUE(done->outcome);
+  EXPECT_FALSE(done->storage_failed);
+}
+
+TEST_F(OiFrE5ncoWriteQueue, ShareWhoseWriteIsLostGivesTheMailboxOn) {
+  Mailbox mailbox;
+  MailboxShare modbus(drive, mailbox, MailboxUser::kModbus), canopen(drive, mailbox, MailboxUser::kCanopen);
+  ASSERT_TRUE(canopen.post_write(now, {.kind = Kind::kFrequency, .value = 1}));
+  ASSERT_TRUE(modbus.post_write(now, {.kind = Kind::kFrequency, .value = 2}));
+  drive.lose_mailbox();
+  drive.is_ready = false;
+  EXPECT_FALSE(canopen.write_pending());
   EXPECT_FALSE(canopen.take_outcome());
+  const auto refused = modbus.take_outcome();  // waited, and is refused now
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->error(), port::Refusal::kNotReady);
+  EXPECT_FALSE(modbus.write_pending());
+  drive.is_ready = true;
   EXPECT_TRUE(modbus.post_write(now, {.kind = Kind::kFrequency, .value = 3}));
 }
 

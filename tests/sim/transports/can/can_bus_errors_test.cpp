@@ -240,6 +240,35 @@ TEST(CanBusErrors, BusOffEndsAfterItsRecessiveBits) {
   EXPECT_EQ(a.node->status().counters, CanErrorCounters{});
 }
 
+TEST(CanBusErrors, AFrameThatBeginsWithinTheLastBitOfRecoveryEndsThatSequence) {
+  BusBench b;
+  auto& a = b.add("a");
+  auto& c = b.add("c");
+  b.run_to_us(1'000);
+  a.node->force_bus_off(b.now());
+  a.log.clear();
+  // 128 x 11 bits of 8 us are over at 12264 us; 4 us before, a frame of 50 bits begins.
+  b.run_to_us(12'260);
+  b.add("d").node->send(b.now(), CanFrame::standard(0, {}));
+  b.run_to_us(13'000);
+  EXPECT_NE(c.log.find("1012660 000#"), std::string::npos) << c.log;
+  EXPECT_EQ(a.log, "1012684 error active\n");  // 11 recessive bits: 8 of the frame's end, 3 of intermission
+}
+
+TEST(CanBusErrors, AnErrorFrameThatAHandlerAsksForFollowsWhatHasEnded) {
+  BusBench b;
+  auto& a = b.add("a");
+  auto& c = b.add("c");
+  c.node->set_handlers({[&](Instant now, const CanFrame&) { b.bus->inject_error_frame(now); }, {}, {}});
+  auto& d = b.add("d");
+  a.node->send(b.now(), CanFrame::standard(0, {}));
+  b.run_to_us(5'000);
+  EXPECT_EQ(a.log, "1000400 sent 000#\n");
+  EXPECT_EQ(d.log, "1000400 000#\n");
+  EXPECT_EQ(b.stats().error_frames, 1u);
+  EXPECT_EQ(b.stats().frames, 1u);
+}
+
 TEST(CanBusErrors, OnABusyBusEveryFrameEndIsOneSequenceOfRecessiveBits) {
   BusBench b;
   auto& a = b.add("a");

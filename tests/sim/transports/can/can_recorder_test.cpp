@@ -89,6 +89,18 @@ TEST(CanRecorder, TheCandumpLogIsThatOfCandump) {
   EXPECT_EQ((*log)->lines(), 10u);
 }
 
+TEST(CanRecorder, ANodeThatJoinsInGoodHealthIsNoErrorFrame) {
+  const TemporaryFolder folder;
+  const auto log = CandumpLog::create(folder / "a.log", kStart);
+  ASSERT_TRUE(log);
+  BusBench b;
+  b.bus->observe(std::make_shared<CanRecorder>("line can", *log, nullptr));
+  b.add("master");
+  b.add("slave");
+  b.run_to_us(10'000);
+  EXPECT_EQ((*log)->lines(), 0u);
+}
+
 TEST(CanRecorder, PythonCanReadsTheLog) {
   const TemporaryFolder folder;
   const auto log = CandumpLog::create(folder / "a.log", kStart);

@@ -9,6 +9,7 @@
 #include "sim/transports/can/slcan_client.hpp"
 #include "sim/transports/can/socketcan_port.hpp"
 #include "sim/transports/can/socketcand_client.hpp"
+#include "sim/transports/can/udp_multicast_port.hpp"
 #include "sim/transports/system_check.hpp"
 #include "tests/sim/transports/blocking_socket.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
@@ -146,6 +147,35 @@ TEST(CanServers, AClientThatDoesNotReadIsDisconnectedAndNobodyWaitsForIt) {
   }
   EXPECT_TRUE(gone);
   EXPECT_TRUE(dead.ends());
+}
+
+TEST(UdpMulticastPort, HearsItsGroupAndNeitherItselfNorOtherGroupsOfTheMachine) {
+  LoopThread thread;
+  std::unique_ptr<UdpMulticastPort> a, b, other;
+  std::atomic<int> heard_a{0}, heard_b{0}, heard_other{0};
+  const auto open = [&](const char* group, std::atomic<int>& heard) {
+    auto port = UdpMulticastPort::open(thread.loop(), {group, 43117, 0});
+    EXPECT_TRUE(port) << port.error();
+    (*port)->set_handlers({[&heard](Instant, const CanFrame&) { ++heard; }, {}, {}});
+    return std::move(*port);
+  };
+  thread.call([&] {
+    a = open("239.74.163.2", heard_a);
+    b = open("239.74.163.2", heard_b);
+    other = open("239.74.163.3", heard_other);
+    // In this order: when the last has come, the one before it has come wherever it was to come.
+    EXPECT_EQ(a->send(thread.loop().now(), CanFrame::standard(0x123, {1})), CanSend::kQueued);
+    EXPECT_EQ(b->send(thread.loop().now(), CanFrame::standard(0x123, {2})), CanSend::kQueued);
+  });
+  for (int i = 0; i < 1000 && (heard_a < 1 || heard_b < 1); ++i) std::this_thread::sleep_for(milliseconds(5));
+  thread.call([&] {
+    EXPECT_EQ(heard_a, 1);
+    EXPECT_EQ(heard_b, 1);
+    EXPECT_EQ(heard_other, 0);
+    a.reset();
+    b.reset();
+    other.reset();
+  });
 }
 
 TEST(CanServers, ClientsBeyondTheLimitAreRefused) {

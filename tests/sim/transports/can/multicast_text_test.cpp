@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/base/random.hpp"
-#include "sim/transports/can/hex_text.hpp"
+#include "sim/transports/can/number_text.hpp"
 
 namespace vinv::transports {
 namespace {

@@ -3,7 +3,9 @@
 
 #include "sim/transports/can/slcan_adapter.hpp"
 #include "sim/transports/can/slcan_client.hpp"
+#include "tests/sim/kernel/allocation_count.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
+#include "tests/sim/transports/can/direct_stream.hpp"
 #include "tests/sim/transports/can/text_client.hpp"
 
 namespace vinv::transports {
@@ -109,6 +111,29 @@ TEST(SlcanAdapter, CommandsAreAnsweredWithReturnOrBell) {
   EXPECT_EQ(a.ask("W0\r"), "\a");
   EXPECT_EQ(a.ask("t1000\n\r"), "\a");  // no line feed inside
   EXPECT_EQ(a.ask("C\r\nC\r\n"), "\r\a");
+}
+
+TEST(SlcanAdapter, AnswersOfOneInstantAreOnePiece) {
+  Adapter a;
+  EXPECT_EQ(a.ask("O\rV\rN\rt1000\r"), "\rV1013\rNVINV\rz\r");
+  EXPECT_EQ(a.client.pieces, 1);
+}
+
+TEST(SlcanAdapter, ARoundTripAllocatesNothing) {
+  BusBench bench;
+  auto node = bench.bus->attach(bench.now(), {});
+  node->set_handlers({[&](Instant now, const CanFrame& f) { node->send(now, f); }, {}, {}});
+  DirectEnd client;
+  const SlcanAdapter adapter(*bench.bus, std::make_unique<DirectStream>(client), nullptr);
+  client.say(bench.now(), "Z1\rO\r");
+  std::uint64_t allocations = 0;
+  for (int i = 0; i < 20; ++i) {
+    if (i == 10) allocations = allocation_count();
+    client.say(bench.now(), "T0000060184000100000000000\r");
+    bench.scheduler.run_until(bench.now() + std::chrono::milliseconds(10));
+    EXPECT_EQ(client.heard().substr(0, 26), "T0000060184000100000000000");
+  }
+  EXPECT_EQ(allocation_count(), allocations);
 }
 
 TEST(SlcanAdapter, LinesMayBeCutAnywhereAndLongOnesAreOneError) {

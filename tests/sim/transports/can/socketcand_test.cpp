@@ -3,7 +3,9 @@
 
 #include "sim/transports/can/socketcand_client.hpp"
 #include "sim/transports/can/socketcand_session.hpp"
+#include "tests/sim/kernel/allocation_count.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
+#include "tests/sim/transports/can/direct_stream.hpp"
 #include "tests/sim/transports/can/text_client.hpp"
 
 namespace vinv::transports {
@@ -77,7 +79,7 @@ TEST(SocketcandText, EitherSideReadsWhatTheOtherWrites) {
 }
 
 struct Server {
-  Server() {
+  explicit Server(CanBusOptions bus = {}) : bench(std::move(bus)) {
     options.buses = {{"vcan0", bench.bus.get()}};
     options.start_unix_ns = 1'700'000'000'000'000'000;
   }
@@ -134,6 +136,41 @@ TEST(SocketcandSession, FramesPassBothWaysWithTheTimeOfTheBus) {
   slave.node->send(s.bench.now(), CanFrame::remote_request(0x705, 1));
   s.run(milliseconds(10));
   EXPECT_EQ(c.take().substr(0, 29), " < rtr 705 1700000001.120368 ");
+}
+
+TEST(SocketcandSession, ABurstOfOneInstantIsOnePiece) {
+  CanBusOptions options;
+  options.timing = CanBusOptions::Timing::kNone;
+  Server s(options);
+  auto& slave = s.bench.add("slave");
+  TextClient& c = s.connect_raw();
+  const int before = c.pieces;
+  for (std::uint8_t i = 0; i < 3; ++i) slave.node->send(s.bench.now(), CanFrame::standard(0x180, {i}));
+  s.run(milliseconds(1));
+  EXPECT_EQ(
+      c.take(),
+      " < frame 180 1700000001.100000 00 > < frame 180 1700000001.100000 01 > < frame 180 1700000001.100000 02 >");
+  EXPECT_EQ(c.pieces, before + 1);
+}
+
+TEST(SocketcandSession, ARoundTripAllocatesNothing) {
+  Server s;
+  auto node = s.bench.bus->attach(s.bench.now(), {});
+  node->set_handlers({[&](Instant now, const CanFrame& f) { node->send(now, f); }, {}, {}});
+  DirectEnd client;
+  const SocketcandSession session(s.bench.scheduler, s.bench.now(), s.options, std::make_unique<DirectStream>(client),
+                                  {});
+  for (const char* message : {"< open vcan0 >", "< rawmode >"}) client.say(s.bench.now(), message);
+  s.run(milliseconds(100));
+  std::uint64_t allocations = 0;
+  for (int i = 0; i < 20; ++i) {
+    if (i == 10) allocations = allocation_count();
+    client.size = 0;
+    client.say(s.bench.now(), "< send 601 8 40 0 10 0 0 0 0 0 >");
+    s.run(milliseconds(10));
+    EXPECT_EQ(client.size, 49u);
+  }
+  EXPECT_EQ(allocation_count(), allocations);
 }
 
 TEST(SocketcandSession, ManyMessagesInOnePieceOrOneInManyAreTheSame) {

@@ -15,8 +15,12 @@ struct TextClient {
     end = std::move(link.first);
     far = std::move(link.second);
     std::swap(end, far);  // the server sees the client's name
-    end->set_handlers([this](Instant, ByteView bytes, bool) { heard.append(bytes.begin(), bytes.end()); },
-                      [this](Instant, const std::string&) { closed = true; });
+    end->set_handlers(
+        [this](Instant, ByteView bytes, bool) {
+          heard.append(bytes.begin(), bytes.end());
+          ++pieces;
+        },
+        [this](Instant, const std::string&) { closed = true; });
   }
   void send(const std::string& text) {
     end->send(scheduler.now(), {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -28,6 +32,7 @@ struct TextClient {
   std::unique_ptr<ByteStream> end;
   std::unique_ptr<ByteStream> far;  // for the server
   std::string heard;
+  int pieces = 0;  // in which it came
   bool closed = false;
 };
 
