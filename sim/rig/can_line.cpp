@@ -92,8 +92,8 @@ void CanLine::set_fault(const transports::CanFaultRule& rule) {
            r.mask == rule.mask;
   });
   if (rule.when.acts()) faults_.push_back(rule);
-  if (replaced > 0)
-    bus_.set_faults({.seed = 1, .rules = faults_});
+  if (replaced > 0 || faults_.size() == 1)
+    bus_.set_faults({.seed = seed_, .rules = faults_});
   else if (rule.when.acts())
     bus_.add_fault(rule);
 }

@@ -39,6 +39,8 @@ class CanLine {
   void plug(Instant now, std::size_t controller, bool plugged);
   bool plugged(std::size_t controller) const { return controllers_[controller]->plugged; }
 
+  // Of the chance by which later faults strike; 1 until set.
+  void set_seed(std::uint64_t seed) { seed_ = seed; }
   // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
   // one that never acts only removes that.
   void set_fault(const transports::CanFaultRule& rule);
@@ -69,6 +71,7 @@ class CanLine {
   transports::CanBus bus_;
   std::vector<std::unique_ptr<Controller>> controllers_;
   std::unique_ptr<transports::CanBridge> bridge_;
+  std::uint64_t seed_ = 1;
   std::vector<transports::CanFaultRule> faults_;
 };
 

@@ -54,7 +54,7 @@ std::optional<Observable> ExpectationReader::observable(std::string_view name, r
   auto known = names();
   known.insert(known.end(), {"terminals", "parameters"});
   problems_.add(at, "there is nothing called \"" + std::string(name) + "\" to look at in " +
-                        observer.drive().spec.name + ";" + rig::suggestion(name, known) +
+                        observer.drive().spec.name + "." + rig::suggestion(name, known) +
                         " Allowed: " + rig::join(known, known.size()) + ".");
   return {};
 }

@@ -284,7 +284,7 @@ class Loader {
 const std::vector<std::string_view>& action_words() {
   static const Keys words = [] {
     // Questions are no actions: a scenario has checks for them.
-    const Keys questions{"status", "names", "parameters"};
+    const Keys questions{"status", "names", "parameters", "led"};
     Keys out;
     for (const rig::CommandInfo& c : rig::commands())
       if (c.for_drive && std::find(questions.begin(), questions.end(), c.name) == questions.end())

@@ -91,10 +91,12 @@ std::optional<Culprit> find_culprit(const YAML::Node& node, const std::string& m
     return {};
   }
   if (!node.IsMap()) return {};
+  // Otherwise a word that is not quoted names whose value is wrong.
+  const bool about_key = quoted || message.starts_with("there is no");
   for (const auto& pair : node) {
     auto found = find_culprit(pair.second, message, quoted);
     if (!found && pair.first.IsScalar() && named(pair.first.Scalar()))
-      found = Culprit{rig::position_of(quoted || !pair.second.IsScalar() ? pair.first : pair.second), {}};
+      found = Culprit{rig::position_of(about_key || !pair.second.IsScalar() ? pair.first : pair.second), {}};
     if (!found) continue;
     found->key = flow_text(pair.first);
     return found;
@@ -141,6 +143,7 @@ void Substitution::visit(YAML::Node node, const Variables& variables, rig::Probl
     const auto text = substitute(written, variables);
     if (!text) {
       problems.add(node, text.error());
+      failed_ = true;
       return;
     }
     undo_.emplace_back(node, written);
@@ -219,6 +222,7 @@ void StepReader::step(const YAML::Node& node, const Variables& variables, int de
     return;
   }
   const Substitution substitution(node, variables, problems_, {"steps", "during", "each"});
+  if (substitution.failed()) return;
   Keys allowed = action_words();
   allowed.insert(allowed.end(), own_words().begin(), own_words().end());
   Keys all = allowed;
@@ -239,7 +243,7 @@ void StepReader::step(const YAML::Node& node, const Variables& variables, int de
   for (std::size_t i = 0; i < map.entries.size(); ++i) {
     const auto& e = map.entries[i];
     if (!contains(all, e.key)) {
-      problems_.add(e.key_node, "unknown word \"" + e.key + "\" in a step;" + rig::suggestion(e.key, all) +
+      problems_.add(e.key_node, "unknown word \"" + e.key + "\" in a step." + rig::suggestion(e.key, all) +
                                     " Allowed: " + rig::join(all, all.size()) + ".");
       usable = false;
       continue;
@@ -248,6 +252,7 @@ void StepReader::step(const YAML::Node& node, const Variables& variables, int de
                     [&](const auto& o) { return o.key == e.key; })) {
       problems_.add(e.key_node, "\"" + e.key + "\" stands twice in this step.");
       usable = false;
+      continue;
     }
     if (contains(pace_words(), e.key)) continue;
     if (verb != nullptr) {

@@ -28,11 +28,14 @@ class Substitution {
   Substitution(const Substitution&) = delete;
   Substitution& operator=(const Substitution&) = delete;
   void keep() { undo_.clear(); }
+  // A variable could not be replaced, which is a problem already.
+  bool failed() const { return failed_; }
 
  private:
   void visit(YAML::Node node, const Variables& variables, rig::Problems& problems,
              const std::vector<std::string_view>& skip);
   std::vector<std::pair<YAML::Node, std::string>> undo_;
+  bool failed_ = false;
 };
 
 // A time within [minimum, maximum] of the given ones.

@@ -1,0 +1,57 @@
+// Same file, seed and build: the same bytes. Every shipped scenario alone, and again while others run.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "sim/scenario/batch.hpp"
+#include "sim/scenario/csv_writer.hpp"
+#include "sim/scenario/junit.hpp"
+#include "sim/scenario/protocol_masters.hpp"
+
+namespace vinv::scenario {
+namespace {
+
+struct Keep : ReportWriter {
+  std::map<std::string, std::string>* texts;
+  void write(const Scenario*, const RunResult& result) override {
+    JunitWriter junit("unused");
+    junit.write(nullptr, result);
+    std::string states;
+    for (const StateTrace& t : result.recording.states)
+      for (const auto& c : t.changes) states += t.name + " " + std::to_string(to_ns(c.at)) + " " + c.value + "\n";
+    for (const WireRecord& w : result.recording.wire) {
+      states += w.network + " " + w.sender + " " + std::to_string(to_ns(w.at)) + " " + std::to_string(w.id);
+      for (const std::uint8_t byte : w.bytes) states += " " + std::to_string(byte);
+      states += "\n";
+    }
+    (*texts)[result.path] = signals_csv(result.recording) + events_csv(result) + states + junit.text();
+  }
+};
+
+std::map<std::string, std::string> texts_with(std::size_t jobs) {
+  std::map<std::string, std::string> texts;
+  BatchOptions options;
+  options.load.catalogue = rig::shipped_catalogue();
+  options.load.masters = protocol_masters();
+  options.run.masters = options.load.masters;
+  options.jobs = jobs;
+  auto keep = std::make_unique<Keep>();
+  keep->texts = &texts;
+  std::vector<std::unique_ptr<ReportWriter>> writers;
+  writers.push_back(std::move(keep));
+  const auto files = find_scenarios({VINV_SOURCE_DIR "/scenarios"}, "");
+  const BatchResult r = run_batch(files, options, writers);
+  EXPECT_EQ(r.passed, files.size());
+  EXPECT_GE(files.size(), 12u);
+  return texts;
+}
+
+TEST(Determinism, EachShippedScenarioGivesTheSameBytesAloneAndAmongOthers) {
+  const auto alone = texts_with(1);
+  const auto together = texts_with(4);
+  ASSERT_EQ(alone.size(), together.size());
+  for (const auto& [path, text] : alone) EXPECT_TRUE(text == together.at(path)) << path;
+}
+
+}  // namespace
+}  // namespace vinv::scenario

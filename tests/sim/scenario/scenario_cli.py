@@ -1,0 +1,70 @@
+"""vinverter scenario from a shell: exit codes, where output goes, reports that cannot be written."""
+import os
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+VINVERTER, ROOT = sys.argv[1:3]
+GOOD = ROOT + "/scenarios/fr-e500/multi_speed.yaml"
+BROKEN = ROOT + "/tests/sim/scenario/broken/unknown_word.yaml"
+failures = 0
+
+
+def run(*args, cwd=ROOT):
+    done = subprocess.run([VINVERTER, "scenario", *args], capture_output=True, text=True, timeout=60, cwd=cwd)
+    return done.returncode, done.stdout, done.stderr
+
+
+def expect(condition, what):
+    global failures
+    if not condition:
+        failures += 1
+        print("not so: " + what)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    failing = folder + "/failing.yaml"
+    with open(failing, "w", encoding="utf-8") as f:
+        f.write("# Fails.\nplant: { drives: [{}] }\nsteps:\n  - { when: ready, check: { mode: PU } }\n")
+    live = folder + "/live.yaml"
+    with open(live, "w", encoding="utf-8") as f:
+        f.write("# Live.\nplant: { name: scenario_cli_test, drives: [{ board: { modbus_tcp: '127.0.0.1:0', network: none } }] }\n"
+                "limit: 10 s\ntolerance: { time: 1 s }\nsteps:\n  - { when: ready, within: 3 s, check: { mode: EXT } }\n")
+
+    code, out, err = run("run", GOOD)
+    expect(code == 0 and out.startswith("passed") and err == "", f"a passing scenario is 0: {code} {out} {err}")
+    code, out, err = run("run", failing)
+    expect(code == 1 and "FAILED" in out and "expected  PU" in out and "seen      EXT" in out, f"a failure is 1: {code} {out}")
+    code, out, err = run("run", BROKEN, GOOD, failing)
+    expect(code == 2 and "passed" in out and "1 passed, 1 failed, 1 could not run" in out, f"a broken file is 2: {code} {out}")
+    expect("unknown_word.yaml:4:5:" in out and 'Did you mean "run"?' in out, f"mistakes are told: {out}")
+    code, out, err = run("run", folder + "/nowhere.yaml")
+    expect(code == 2 and "no file or folder" in err, f"a path that is not there is 2: {code} {err}")
+    code, out, err = run("run", GOOD, "--filter", "nothing like it")
+    expect(code == 2 and "there is no scenario" in err, f"an empty choice is 2: {code} {err}")
+
+    code, out, err = run("check", GOOD)
+    expect(code == 0 and out == "1 of 1 scenarios are in order\n", f"check passes: {code} {out}")
+    code, out, err = run("check", BROKEN, GOOD)
+    expect(code == 2 and "1 of 2" in out and "unknown_word.yaml:4:5:" in err, f"check fails: {code} {out} {err}")
+    code, out, err = run("list", "scenarios/fr-e500")
+    expect(code == 0 and "multi_speed.yaml" in out and "The three speeds of RH" in out, f"list has titles: {out}")
+    code, out, err = run("schema")
+    expect(code == 0 and '"vinverter scenario"' in out and "$ref\": \"plant" not in out, "schema is in one piece")
+
+    junit = folder + "/junit.xml"
+    code, out, err = run("run", GOOD, failing, "--junit", junit, "--report", folder + "/report", "--jobs", "2")
+    root = ElementTree.parse(junit).getroot()
+    expect(code == 1 and root.get("tests") == "2" and root.get("failures") == "1", "JUnit counts")
+    expect(sorted(os.listdir(folder + "/report"))[0].endswith(".csv"), "reports are written")
+
+    code, out, err = run("run", GOOD, failing, "--junit", "/dev/full", "--report", "/dev/null/x")
+    expect(code == 2 and "/dev/full cannot be written: No space left on device." in err, f"a full disk is told: {code} {err}")
+    expect("/dev/null/x cannot be made" in err and "passed" in out and "FAILED" in out, f"no result is lost: {out} {err}")
+
+    code, out, err = run("run", failing, "--set", "f=3")
+    expect(code == 2 and "no variable" in out, f"an unknown variable is told: {code} {out}")
+    code, out, err = run("run", "--live", live)
+    expect(code == 0 and "passed" in out and "Modbus/TCP" in err, f"a live run passes: {code} {out} {err}")
+sys.exit(1 if failures else 0)
