@@ -40,7 +40,7 @@ class CanLine {
   bool plugged(std::size_t controller) const { return controllers_[controller]->plugged; }
 
   // Of the chance by which later faults strike; 1 until set.
-  void set_seed(std::uint64_t seed);
+  void set_seed(std::uint64_t seed) { seed_ = seed; }
   // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
   // one that never acts only removes that.
   void set_fault(const transports::CanFaultRule& rule);

@@ -11,7 +11,7 @@ void WireTap::forget_dead() {
 std::unique_ptr<transports::ByteStream> WireTap::wrap(std::unique_ptr<transports::ByteStream> stream) {
   forget_dead();
   auto faulty = std::make_unique<transports::FaultInjector>(scheduler_, std::move(stream),
-                                                            transports::FaultPlan{.seed = 1, .rules = faults_});
+                                                            transports::FaultPlan{.seed = seed_, .rules = faults_});
   streams_.push_back(faulty->handle());
   return faulty;
 }

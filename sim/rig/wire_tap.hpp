@@ -2,6 +2,7 @@
 // sending is what the board does.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -16,6 +17,8 @@ class WireTap {
 
   std::unique_ptr<transports::ByteStream> wrap(std::unique_ptr<transports::ByteStream> stream);
 
+  // Of the chance by which faults strike streams that come later; 1 until set.
+  void set_seed(std::uint64_t seed) { seed_ = seed; }
   // Lasts until it is cleared, on connections to come too, each of which counts for itself. A rule takes the place of
   // one with the same fault and direction; one that never acts only removes that.
   void set_fault(const transports::FaultRule& rule);
@@ -28,6 +31,7 @@ class WireTap {
   void forget_dead();
 
   kernel::Scheduler& scheduler_;
+  std::uint64_t seed_ = 1;
   std::vector<transports::FaultRule> faults_;
   std::vector<transports::FaultInjector::Handle> streams_;
 };

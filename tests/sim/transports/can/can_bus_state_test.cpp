@@ -45,8 +45,7 @@ std::vector<Stimulus> story() {
 CanFaultPlan faults() {
   CanFaultPlan plan{7, {}};
   for (const CanFault fault : {CanFault::kDrop, CanFault::kDelay, CanFault::kDuplicate, CanFault::kCorrupt,
-                               CanFault::kErrorFrame, CanFault::kBusOff, CanFault::kReorder, CanFault::kSilence,
-                               CanFault::kTwin}) {
+                               CanFault::kErrorFrame, CanFault::kBusOff, CanFault::kReorder, CanFault::kSilence}) {
     CanFaultRule rule;
     rule.fault = fault;
     rule.when.probability = fault == CanFault::kBusOff ? 0.01 : 0.04;
@@ -211,6 +210,32 @@ TEST(CanBusState, AnotherTimeOrRateOrOtherNodesAreRefused) {
   other.add("b");
   other.add("a");
   EXPECT_EQ(other.bus->restore(state).error(), "cannot restore CAN bus can0: node 1 is b, in the state a");
+}
+
+// A twin is a node that a fault makes; a bus without it gets it with the state, and one with it loses it.
+TEST(CanBusState, TwinsComeAndGoWithTheState) {
+  CanFaultPlan plan;
+  CanFaultRule rule;
+  rule.fault = CanFault::kTwin;
+  rule.when.every = 3;
+  plan.rules.push_back(rule);
+  const std::vector<Stimulus> all = story();
+  for (const std::int64_t cut_us : {kStoryUs / 7, kStoryUs / 3, kStoryUs / 2}) {
+    Story whole(0, all);
+    const CanBusState without = whole.bus->save();
+    whole.bus->set_faults(plan);
+    whole.run_to_us(cut_us);
+    const CanBusState state = whole.bus->save();
+    EXPECT_GT(state.nodes.size(), without.nodes.size());
+    whole.take();
+    whole.run_to_us(kStoryUs);
+    Story rest(cut_us, all);
+    const auto restored = rest.bus->restore(state);
+    ASSERT_TRUE(restored) << restored.error();
+    rest.run_to_us(kStoryUs);
+    EXPECT_EQ(rest.take(), whole.take()) << "cut at " << cut_us << " us";
+    EXPECT_EQ(rest.numbers(), whole.numbers()) << "cut at " << cut_us << " us";
+  }
 }
 
 }  // namespace
