@@ -86,17 +86,26 @@ void CanLine::plug(Instant now, std::size_t controller, bool plugged) {
   if (std::exchange(c.plugged, plugged) != plugged) c.on_traffic(now);
 }
 
-void CanLine::set_fault(const transports::CanFaultRule& rule) {
-  std::erase_if(faults_, [&](const auto& r) {
-    return r.fault == rule.fault && r.node == rule.node && r.id == rule.id && r.mask == rule.mask;
-  });
-  if (rule.probability > 0) faults_.push_back(rule);
+void CanLine::set_seed(std::uint64_t seed) {
+  seed_ = seed;
   bus_.set_faults({.seed = seed_, .rules = faults_});
+}
+
+void CanLine::set_fault(const transports::CanFaultRule& rule) {
+  const auto replaced = std::erase_if(faults_, [&](const auto& r) {
+    return r.fault == rule.fault && r.node == rule.node && r.not_nodes == rule.not_nodes && r.id == rule.id &&
+           r.mask == rule.mask;
+  });
+  if (rule.when.acts()) faults_.push_back(rule);
+  if (replaced > 0)
+    bus_.set_faults({.seed = seed_, .rules = faults_});
+  else if (rule.when.acts())
+    bus_.add_fault(rule);
 }
 
 void CanLine::clear_faults() {
   faults_.clear();
-  bus_.set_faults({});
+  bus_.set_faults({.seed = seed_, .rules = {}});
 }
 
 void CanLine::join(Instant now, std::unique_ptr<transports::CanPort> outside) {

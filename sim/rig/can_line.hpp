@@ -39,10 +39,10 @@ class CanLine {
   void plug(Instant now, std::size_t controller, bool plugged);
   bool plugged(std::size_t controller) const { return controllers_[controller]->plugged; }
 
-  // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
-  // one that never acts (probability 0) only removes that.
   // Of the chance by which later faults strike; 1 until set.
-  void set_seed(std::uint64_t seed) { seed_ = seed; }
+  void set_seed(std::uint64_t seed);
+  // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
+  // one that never acts only removes that.
   void set_fault(const transports::CanFaultRule& rule);
   void clear_faults();
   const std::vector<transports::CanFaultRule>& faults() const { return faults_; }

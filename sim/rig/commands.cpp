@@ -8,6 +8,7 @@
 
 #include "sim/rig/can_commands.hpp"
 #include "sim/rig/command_values.hpp"
+#include "sim/rig/wire_commands.hpp"
 #include "sim/rig/words.hpp"
 
 namespace vinv::rig {
@@ -524,9 +525,10 @@ const std::vector<Row>& rows() {
        true},
       {{"led", true, "", "the option board's status LED", "conveyor_1 led"}, led, {}, false},
       {{"wire", true,
-        "drop, duplicate, corrupt, error_frame: <p> %; delay: <t> ms with share: <p> %; id: <hex>; of: own | all; "
-        "error_frame | bus_off | unplugged | plugged | none",
-        "faults on the CAN bus of the drive; they last until none", "conveyor_1 wire drop 10 % id 185"},
+        "drop, duplicate, corrupt, error_frame, bus_off, silence, duplicate_node: <p> % | on; delay, reorder, split: <t> ms; "
+        "truncate: <n>; share: <p> %; nth, every, times: <n>; for: <t> s; id: <hex>; of: own | master | all; "
+        "port: can | serial | tcp; error_frame | bus_off | unplugged | plugged | half_open | none",
+        "faults on the wires of the drive; they last until none", "conveyor_1 wire drop 10 % id 185"},
        wire,
        wire_words(),
        false},

@@ -12,7 +12,9 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
       scheduler_(scheduler),
       clock_(std::move(options.clock)),
       lines_(file_.serial.size()),
-      drives_on_line_(file_.serial.size()) {
+      drives_on_line_(file_.serial.size()),
+      serial_taps_(file_.serial.size(), WireTap(scheduler)),
+      tcp_taps_(file_.tcp.size(), WireTap(scheduler)) {
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
   for (const CanNetwork& net : file_.can) {
     buses_.push_back(std::make_unique<CanLine>(scheduler_, net));
@@ -142,13 +144,23 @@ DriveUnit* Plant::find(std::string_view name) {
 }
 
 void Plant::connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options) {
-  lines_[line].connect(now(), std::move(stream), std::move(options), [this, line](Instant at) {
+  lines_[line].connect(now(), serial_taps_[line].wrap(std::move(stream)), std::move(options), [this, line](Instant at) {
     for (DriveUnit* d : drives_on_line_[line]) settle(at, *d);
   });
 }
 
 void Plant::accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream) {
-  ports_[port]->accept(now, std::move(stream));
+  ports_[port]->accept(now, tcp_taps_[port].wrap(std::move(stream)));
+}
+
+WireTap* Plant::serial_tap_of(const DriveUnit& drive) {
+  const auto& board = drive.spec.board;
+  return board && board->serial && drive.board->serial_channel() != nullptr ? &serial_taps_[*board->serial] : nullptr;
+}
+
+WireTap* Plant::tcp_tap_of(const DriveUnit& drive) {
+  const auto& board = drive.spec.board;
+  return board && board->tcp && drive.board->modbus_unit() != nullptr ? &tcp_taps_[*board->tcp] : nullptr;
 }
 
 CanLine* Plant::can_line_of(const DriveUnit& drive) {

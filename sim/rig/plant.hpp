@@ -19,6 +19,7 @@
 #include "sim/rig/drive_unit.hpp"
 #include "sim/rig/plant_file.hpp"
 #include "sim/rig/tcp_port.hpp"
+#include "sim/rig/wire_tap.hpp"
 
 namespace vinv::rig {
 
@@ -59,6 +60,9 @@ class Plant {
   CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
   // The bus that the drive's board hangs on; nullptr if none.
   CanLine* can_line_of(const DriveUnit& drive);
+  // Where faults go on the serial line and the TCP port of the drive; nullptr if it has none.
+  WireTap* serial_tap_of(const DriveUnit& drive);
+  WireTap* tcp_tap_of(const DriveUnit& drive);
 
   // The drive's own breaker; its board follows.
   void set_power(DriveUnit& drive, bool on);
@@ -86,6 +90,8 @@ class Plant {
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;
   std::vector<std::unique_ptr<CanLine>> buses_;
+  std::vector<WireTap> serial_taps_;
+  std::vector<WireTap> tcp_taps_;
   kernel::EventId tick_event_ = 0;
   std::uint64_t ticks_ = 0;
 };

@@ -205,9 +205,11 @@ Runner::Progress Runner::run_step(Instant now, std::size_t i) {
     t.last.reset();
     t.samples.clear();
     // A ramp that this instant's actions set off begins at what the drive showed before them.
+    // One that follows another from where that ended has begun in the tick that is over.
     if (const auto* ramp = std::get_if<Ramp>(&step.what)) {
-      t.last = observer(step).number(ramp->what);
-      t.last_at = state_.ticked_at;
+      const bool over = !state_.acted && now == state_.ticked_at;
+      t.last = over ? before_[step.drive].signals[ramp->what.index] : observer(step).number(ramp->what);
+      t.last_at = over ? now - options_.recording.period : state_.ticked_at;
     }
     return Progress::kSome;
   }

@@ -14,6 +14,7 @@
 #include "sim/rig/quantity.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/rig/yaml_map.hpp"
+#include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/step_reader.hpp"
 #include "sim/scenario/trial.hpp"
 
@@ -288,6 +289,9 @@ const std::vector<std::string_view>& action_words() {
     for (const rig::CommandInfo& c : rig::commands())
       if (c.for_drive && std::find(questions.begin(), questions.end(), c.name) == questions.end())
         out.push_back(c.name);
+    // What only a master can be told; without `via:` it is refused as an unknown command.
+    for (const std::string_view word : master_words())
+      if (std::find(out.begin(), out.end(), word) == out.end()) out.push_back(word);
     return out;
   }();
   return words;

@@ -574,6 +574,13 @@ std::optional<Step::What> StepReader::reached(const YAML::Node& value, const Exp
     }
     any = true;
     if (e.empty) return {};
+    if (e.key == "terminals" || e.key == "parameters") {
+      const Condition all = reader.mapping(value, "reached", {"within", "not_before"});
+      if (all.size() > 1) problems_.add(e.at, "reached waits for one thing; there are " + std::to_string(all.size()) + ".");
+      if (all.size() != 1) return {};
+      r.target = all.front();
+      continue;
+    }
     const auto what = reader.observable(e.key, e.at);
     if (!what) return {};
     // A plain value without tolerance: passing through it is enough.

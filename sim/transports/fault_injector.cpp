@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "sim/base/random.hpp"
@@ -22,6 +23,12 @@ void corrupt(Bytes& bytes, std::size_t count, Random& random) {
   for (std::size_t i = 0; i < std::min(count, bytes.size()); ++i) {
     bytes[(first + i) % bytes.size()] ^= static_cast<std::uint8_t>(1u << random.below(8));
   }
+}
+
+// What a UART makes of two that talk at once.
+void garble(Pieces& pieces, Random& random) {
+  for (Piece& p : pieces)
+    for (std::uint8_t& byte : p.bytes) byte &= static_cast<std::uint8_t>(random.next());
 }
 
 void truncate(Pieces& pieces, std::size_t keep) {
@@ -54,49 +61,89 @@ void apply(const FaultRule& rule, Pieces& pieces, Random& random) {
     case Fault::kCorrupt: corrupt(pieces.front().bytes, rule.bytes, random); break;
     case Fault::kTruncate: truncate(pieces, rule.bytes); break;
     case Fault::kSplit: pieces = split(pieces, rule.delay); break;
+    case Fault::kGarble: garble(pieces, random); break;
+    case Fault::kReorder: break;  // see pass()
   }
 }
 
 }  // namespace
 
 struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
+  struct Held {
+    Pieces pieces;
+    bool line_error = false;
+  };
   struct Lane {
-    std::uint64_t pieces = 0;  // seen so far
     std::size_t delayed = 0;   // pieces
     std::size_t delayed_bytes = 0;
     Instant last_at{};  // when the last delayed piece passes
+    std::optional<Held> held;  // waits for the piece after it
+    kernel::EventId release = 0;
   };
 
   Impl(kernel::Scheduler& s, std::unique_ptr<ByteStream> i, FaultPlan p)
-      : scheduler(s), inner(std::move(i)), plan(std::move(p)), random(plan.seed) {}
+      : scheduler(s), inner(std::move(i)), plan(std::move(p)), counts(plan.rules.size()), random(plan.seed) {}
+  ~Impl() {
+    for (const Lane& l : lanes)
+      if (l.release != 0) scheduler.cancel(l.release);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
 
   Lane& lane(Direction d) { return lanes[static_cast<std::size_t>(d)]; }
 
   void pass(Direction direction, Instant now, ByteView bytes, bool line_error) {
-    if (closed) return;
+    if (closed || half_open) return;
     Lane& l = lane(direction);
-    ++l.pieces;
+    if (plan.rules.empty() && l.delayed == 0 && !l.held) return deliver(direction, now, bytes, line_error);
     Pieces pieces{{Duration{}, Bytes(bytes.begin(), bytes.end())}};
-    for (const FaultRule& rule : plan.rules) {
-      if (rule.direction != direction) continue;
-      // Drawn for every piece, so that one rule's luck does not depend on another's.
-      const bool hit = rule.nth != 0 ? rule.nth == l.pieces : random.uniform() < rule.probability;
-      if (!hit) continue;
+    std::optional<Duration> hold;
+    for (std::size_t i = 0; i < plan.rules.size(); ++i) {
+      const FaultRule& rule = plan.rules[i];
+      if (rule.direction != direction || !counts[i].hit(rule.when, now, random)) continue;
       ++injected;
+      if (rule.fault == Fault::kReorder) hold = rule.delay;
       apply(rule, pieces, random);
     }
+    if (hold && !l.held && !pieces.empty()) {
+      l.held = Held{std::move(pieces), line_error};
+      l.release = scheduler.schedule(std::max(now, scheduler.now()) + *hold, kernel::Priority::kWire,
+                                     [this, direction](Instant at) {
+                                       lane(direction).release = 0;
+                                       release(direction, at);
+                                     });
+      return;
+    }
+    if (!emit(direction, now, pieces, line_error)) return;
+    release(direction, now);
+  }
+
+  void release(Direction direction, Instant now) {
+    Lane& l = lane(direction);
+    if (l.release != 0) scheduler.cancel(std::exchange(l.release, 0));
+    const std::optional<Held> held = std::exchange(l.held, std::nullopt);
+    if (held && !closed) emit(direction, now, held->pieces, held->line_error);
+  }
+
+  // False: closed on the way.
+  bool emit(Direction direction, Instant now, const Pieces& pieces, bool line_error) {
+    // A handler may destroy the stream.
+    const auto self = shared_from_this();
+    Lane& l = lane(direction);
     const Instant start = std::max(now, scheduler.now());
     Instant at = l.delayed > 0 ? std::max(start, l.last_at) : start;
     for (const Piece& p : pieces) {
       at += p.after;
       if (l.delayed == 0 && at == start) {
         deliver(direction, now, p.bytes, line_error);
-        if (closed) return;
+        if (closed) return false;
       } else {
-        if (l.delayed_bytes + p.bytes.size() > kMaxQueuedBytes) return overflow();
+        if (l.delayed_bytes + p.bytes.size() > kMaxQueuedBytes) return overflow(), false;
         delay(direction, at, p.bytes, line_error);
       }
     }
+    return true;
   }
 
   void delay(Direction direction, Instant at, const Bytes& bytes, bool line_error) {
@@ -111,7 +158,7 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
                          Lane& waited = self->lane(direction);
                          --waited.delayed;
                          waited.delayed_bytes -= bytes.size();
-                         self->deliver(direction, now, bytes, line_error);
+                         if (!self->half_open) self->deliver(direction, now, bytes, line_error);
                        });
   }
 
@@ -125,6 +172,8 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
 
   // Behind what is still on its way to the owner.
   void end(Instant now, const std::string& reason) {
+    if (closed || half_open) return;
+    release(Direction::kReceive, now);
     if (closed) return;
     const Lane& l = lane(Direction::kReceive);
     if (l.delayed == 0) return finish(now, reason);
@@ -154,11 +203,13 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
   kernel::Scheduler& scheduler;
   std::unique_ptr<ByteStream> inner;
   FaultPlan plan;
+  std::vector<FaultCount> counts;  // by rule
   Random random;
   StreamHandlers handlers;
   std::array<Lane, 2> lanes{};
   std::uint64_t injected = 0;
   bool closed = false;
+  bool half_open = false;
   bool overflowed = false;  // closed, but the owner has not been told
 };
 
@@ -192,7 +243,25 @@ void FaultInjector::close() {
   impl_->closed = true;
   impl_->overflowed = false;
   impl_->handlers.clear();
-  impl_->inner->close();
+  if (!impl_->half_open) impl_->inner->close();
+}
+
+void FaultInjector::Handle::add(const FaultRule& rule) const {
+  const auto impl = impl_.lock();
+  if (!impl) return;
+  impl->plan.rules.push_back(rule);
+  impl->counts.emplace_back();
+}
+
+void FaultInjector::Handle::clear() const {
+  const auto impl = impl_.lock();
+  if (!impl) return;
+  impl->plan.rules.clear();
+  impl->counts.clear();
+}
+
+void FaultInjector::Handle::half_open() const {
+  if (const auto impl = impl_.lock()) impl->half_open = true;
 }
 
 std::string FaultInjector::name() const { return impl_->inner->name(); }

@@ -1,14 +1,17 @@
-// Faults on a line: a stream around a stream that drops, delays, duplicates, corrupts, truncates or splits what passes.
-// The same plan and the same traffic give the same faults. Order within a direction is kept, as on a real stream.
+// Faults on a line: a stream around a stream that drops, delays, duplicates, corrupts, reorders, truncates or splits what
+// passes, or goes dead. The same plan and the same traffic give the same faults. Order within a direction is kept, as on
+// a real stream, but for kReorder.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "sim/kernel/scheduler.hpp"
 #include "sim/transports/byte_stream.hpp"
+#include "sim/transports/fault_trigger.hpp"
 
 namespace vinv::transports {
 
@@ -19,6 +22,8 @@ enum class Fault : std::uint8_t {
   kCorrupt,    // one bit in each of FaultRule::bytes neighbouring bytes
   kTruncate,   // the first FaultRule::bytes stay
   kSplit,      // into single bytes, FaultRule::delay apart
+  kReorder,    // behind the next piece of its direction, but not later than FaultRule::delay
+  kGarble,     // every byte: two talk at once
 };
 
 // Seen from our end.
@@ -28,8 +33,7 @@ enum class Direction : std::uint8_t { kSend, kReceive };
 struct FaultRule {
   Fault fault = Fault::kDrop;
   Direction direction = Direction::kSend;
-  std::uint64_t nth = 0;   // the nth piece of the direction, counted from 1; 0: by probability
-  double probability = 0;  // of each piece, 0 to 1
+  FaultTrigger when;  // of the pieces of the direction
   Duration delay{};
   std::size_t bytes = 1;
 };
@@ -41,7 +45,26 @@ struct FaultPlan {
 };
 
 class FaultInjector : public ByteStream {
+ private:
+  struct Impl;
+
  public:
+  // Reaches an injector for as long as it lives, whoever owns it.
+  class Handle {
+   public:
+    bool alive() const { return !impl_.expired(); }
+    // Behind the rules there are; pieces are counted from now on.
+    void add(const FaultRule& rule) const;
+    void clear() const;
+    // The peer is gone without a word: nothing passes any more in either direction, and no end is told.
+    void half_open() const;
+
+   private:
+    friend class FaultInjector;
+    explicit Handle(std::weak_ptr<Impl> impl) : impl_(std::move(impl)) {}
+    std::weak_ptr<Impl> impl_;
+  };
+
   // The scheduler outlives the stream.
   FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner, FaultPlan plan);
   ~FaultInjector() override;
@@ -56,9 +79,9 @@ class FaultInjector : public ByteStream {
 
   // Rules that have acted so far.
   std::uint64_t injected() const;
+  Handle handle() const { return Handle(impl_); }
 
  private:
-  struct Impl;
   std::shared_ptr<Impl> impl_;
 };
 

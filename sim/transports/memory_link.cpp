@@ -1,6 +1,7 @@
 #include "sim/transports/memory_link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/transports/stream_handlers.hpp"
 
@@ -42,9 +43,14 @@ struct End {
 
 class MemoryStream : public ByteStream {
  public:
-  MemoryStream(kernel::Scheduler& scheduler, Duration delay, std::string name, std::shared_ptr<End> self,
-               std::shared_ptr<End> peer)
-      : scheduler_(scheduler), delay_(delay), name_(std::move(name)), self_(std::move(self)), peer_(std::move(peer)) {}
+  MemoryStream(kernel::Scheduler& scheduler, Duration delay, Duration character, std::string name,
+               std::shared_ptr<End> self, std::shared_ptr<End> peer)
+      : scheduler_(scheduler),
+        delay_(delay),
+        character_(character),
+        name_(std::move(name)),
+        self_(std::move(self)),
+        peer_(std::move(peer)) {}
   ~MemoryStream() override { close(); }
   MemoryStream(const MemoryStream&) = delete;
   MemoryStream& operator=(const MemoryStream&) = delete;
@@ -64,18 +70,22 @@ class MemoryStream : public ByteStream {
       post(now, Duration{}, self_, [](End& end, Instant t) {
         end.end(t, "disconnected: the peer does not read (" + std::to_string(kMaxQueuedBytes) + " bytes wait for it)");
       });
-      post(now, delay_, peer_, [](End& end, Instant t) { end.end(t, "closed by the peer"); });
+      post(std::max(now, sent_until_), delay_, peer_, [](End& end, Instant t) { end.end(t, "closed by the peer"); });
       return;
     }
     peer_->on_the_way += bytes.size();
-    post(now, delay_, peer_, [copy = Bytes(bytes.begin(), bytes.end())](End& end, Instant t) { end.arrive(t, copy); });
+    sent_until_ = std::max({now, scheduler_.now(), sent_until_}) + character_ * static_cast<std::int64_t>(bytes.size());
+    post(sent_until_, delay_, peer_,
+         [copy = Bytes(bytes.begin(), bytes.end())](End& end, Instant t) { end.arrive(t, copy); });
   }
 
   void close() override {
     if (!self_->open) return;
     self_->open = false;
     self_->handlers.clear();
-    if (!cut_) post(scheduler_.now(), delay_, peer_, [](End& end, Instant t) { end.end(t, "closed by the peer"); });
+    if (!cut_)
+      post(std::max(scheduler_.now(), sent_until_), delay_, peer_,
+           [](End& end, Instant t) { end.end(t, "closed by the peer"); });
   }
 
   std::string name() const override { return name_; }
@@ -91,6 +101,8 @@ class MemoryStream : public ByteStream {
 
   kernel::Scheduler& scheduler_;
   Duration delay_;
+  Duration character_;
+  Instant sent_until_{};  // the last character of what was sent so far
   std::string name_;
   std::shared_ptr<End> self_;
   std::shared_ptr<End> peer_;
@@ -102,8 +114,8 @@ class MemoryStream : public ByteStream {
 MemoryLink make_memory_link(kernel::Scheduler& scheduler, const MemoryLinkOptions& options) {
   const auto a = std::make_shared<End>();
   const auto b = std::make_shared<End>();
-  return {std::make_unique<MemoryStream>(scheduler, options.delay, options.name_a, a, b),
-          std::make_unique<MemoryStream>(scheduler, options.delay, options.name_b, b, a)};
+  return {std::make_unique<MemoryStream>(scheduler, options.delay, options.character, options.name_a, a, b),
+          std::make_unique<MemoryStream>(scheduler, options.delay, options.character, options.name_b, b, a)};
 }
 
 }  // namespace vinv::transports

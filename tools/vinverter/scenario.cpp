@@ -13,6 +13,7 @@
 #include "sim/scenario/batch.hpp"
 #include "sim/scenario/junit.hpp"
 #include "sim/scenario/live_run.hpp"
+#include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/report/report_folder.hpp"
 #include "sim/scenario/units.hpp"
 #include "tools/vinverter/subcommands.hpp"
@@ -41,6 +42,7 @@ struct ScenarioOptions {
 scenario::LoadOptions load_options(const ScenarioOptions& options) {
   scenario::LoadOptions load;
   load.catalogue = rig::shipped_catalogue();
+  load.masters = scenario::protocol_masters();
   for (const std::string& text : options.set) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
@@ -142,6 +144,7 @@ int run(const ScenarioOptions& options) {
   const auto files = files_of(options);
   scenario::BatchOptions batch;
   batch.load = load_options(options);
+  batch.run.masters = batch.load.masters;
   if (options.has_seed) batch.run.seed = options.seed;
   batch.jobs = options.jobs != 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
   std::vector<std::unique_ptr<scenario::ReportWriter>> writers;

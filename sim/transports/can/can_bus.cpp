@@ -7,6 +7,11 @@
 #include "sim/transports/can/can_bus_impl.hpp"
 
 namespace vinv::transports {
+namespace {
+
+const std::string kTwinPrefix = "twin of ";
+
+}  // namespace
 
 void CanNodeData::push(const Waiting& waiting) {
   ring[(first + count) % ring.size()] = waiting;
@@ -20,6 +25,7 @@ void CanNodeData::pop() {
 }
 
 std::size_t CanNodeData::clear() {
+  held.reset();
   const std::size_t kept = first_is_on_wire ? 1 : 0;
   return std::exchange(count, kept) - kept;
 }
@@ -52,9 +58,11 @@ void CanBus::Impl::detach(const NodePtr& node) {
     node->first_is_on_wire = false;
     transmitters.clear();
   }
+  if (const NodePtr twin = twin_of(*node)) detach(twin);
   node->attached = false;
   stop_recovery(*node);
   cancel_bus_off(*node);
+  if (node->release_event != 0) scheduler.cancel(std::exchange(node->release_event, 0));
   begin_reporting();
   set_handlers(*node, nullptr);
   node->clear();
@@ -95,22 +103,83 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
     return CanSend::kRefusedState;
   }
   now = std::max(now, scheduler.now());
-  const CanVerdict verdict = judge.judge(frame, node->options.name);
+  const CanVerdict verdict = judge.judge(now, frame, node->options.name);
   if (verdict.bus_off) {
     ++node->lost;
     if (!node->bus_off_due) plan_bus_off(now, *node);
     return CanSend::kRefusedState;
   }
-  const CanSend result = put(*node, {frame, now + verdict.delay, verdict});
+  if (verdict.silence) {
+    ++node->lost;
+    return CanSend::kQueued;
+  }
+  const CanNodeState::Waiting waiting{frame, now + verdict.delay, verdict};
+  if (verdict.reorder && !node->held) {
+    hold(*node, waiting, now + *verdict.reorder);
+    return CanSend::kQueued;
+  }
+  const CanSend result = put(*node, waiting);
   if (result == CanSend::kRefusedFull) return result;
   for (unsigned i = 0; i < verdict.copies; ++i) {
     put(*node, {frame, now + verdict.delay + verdict.copies_after * (i + 1), CanVerdict{}});
   }
-  if (phase == Phase::kFree || phase == Phase::kStarting) {
-    const Instant start = start_of(*node, now);
-    if (phase == Phase::kFree || start < sof_at) plan_start_at(start);
-  }
+  if (verdict.twin) send_as_twin(now, node, waiting);
+  release(now, *node);
+  start_for(now, *node);
   return result;
+}
+
+void CanBus::Impl::start_for(Instant now, CanNodeState& node) {
+  if (node.count == 0 || (phase != Phase::kFree && phase != Phase::kStarting)) return;
+  const Instant start = start_of(node, now);
+  if (phase == Phase::kFree || start < sof_at) plan_start_at(start);
+}
+
+void CanBus::Impl::hold(CanNodeState& node, const CanNodeState::Waiting& waiting, Instant until) {
+  node.held = waiting;
+  node.release_at = until;
+  node.release_event = scheduler.schedule(until, kernel::Priority::kWire, [this, n = &node](Instant now) {
+    n->release_event = 0;
+    release(now, *n);
+    start_for(now, *n);
+  });
+}
+
+void CanBus::Impl::release(Instant now, CanNodeState& node) {
+  if (node.release_event != 0) scheduler.cancel(std::exchange(node.release_event, 0));
+  if (!node.held) return;
+  CanNodeState::Waiting waiting = *std::exchange(node.held, std::nullopt);
+  if (!node.may_send()) {
+    ++node.lost;
+    return;
+  }
+  waiting.ready_at = std::max(waiting.ready_at, now);
+  put(node, waiting);
+}
+
+CanBus::Impl::NodePtr CanBus::Impl::twin_of(const CanNodeState& node) const {
+  const auto it = std::find_if(nodes.begin(), nodes.end(), [&](const NodePtr& n) {
+    return n->is_twin && n->attached && n->options.name == kTwinPrefix + node.options.name;
+  });
+  return it == nodes.end() ? nullptr : *it;
+}
+
+// The other device is set up alike and answers the same request with its own data.
+void CanBus::Impl::send_as_twin(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting) {
+  NodePtr twin = twin_of(*node);
+  if (!twin) {
+    CanNodeOptions options_of_twin = node->options;
+    options_of_twin.name = kTwinPrefix + node->options.name;
+    options_of_twin.online = true;
+    options_of_twin.recovers = true;
+    twin = attach(now, std::move(options_of_twin));
+    twin->is_twin = true;
+  }
+  if (!twin->may_send()) return;
+  CanNodeState::Waiting other{waiting.frame, waiting.ready_at, CanVerdict{}};
+  if (!other.frame.remote && other.frame.length > 0)
+    other.frame.data[judge.pick(other.frame.length)] ^= static_cast<std::uint8_t>(1 + judge.pick(255));
+  put(*twin, other);
 }
 
 void CanBus::Impl::set_online(Instant now, const NodePtr& node, bool online) {
@@ -165,7 +234,8 @@ void CanBus::Impl::force_bus_off(Instant now, CanNodeState& node) {
 
 // A frame on the wire is completed by what the bus remembers of it.
 void CanBus::Impl::enter_bus_off(Instant now, CanNodeState& node) {
-  node.lost += node.count;
+  node.lost += node.count + (node.held ? 1 : 0);
+  node.held.reset();
   node.count = 0;
   node.first_is_on_wire = false;
   if (node.options.recovers) start_recovery(now, node);
@@ -188,6 +258,7 @@ void CanBus::Impl::cancel_events() {
   if (recovery_event != 0) scheduler.cancel(std::exchange(recovery_event, 0));
   for (const NodePtr& n : nodes) {
     if (n->bus_off_event != 0) scheduler.cancel(std::exchange(n->bus_off_event, 0));
+    if (n->release_event != 0) scheduler.cancel(std::exchange(n->release_event, 0));
   }
 }
 
@@ -213,18 +284,28 @@ Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
   if (state.bitrate != options.bitrate) return Unexpected(refused + "the state is of another bit rate");
   const auto attached = static_cast<std::size_t>(
       std::count_if(state.nodes.begin(), state.nodes.end(), [](const CanNodeData& n) { return n.attached; }));
-  if (attached != nodes.size()) {
-    return Unexpected(refused + "it has " + std::to_string(nodes.size()) + " nodes, the state " +
+  // Twins are made and taken away by faults, which are part of the state.
+  std::vector<NodePtr> wanted = nodes;
+  std::erase_if(wanted, [](const NodePtr& n) { return n->is_twin; });
+  for (std::size_t i = 0; i < attached && i <= wanted.size(); ++i) {
+    if (!state.nodes[i].is_twin) continue;
+    const auto twin = std::make_shared<CanNodeState>();
+    static_cast<CanNodeData&>(*twin) = state.nodes[i];
+    wanted.insert(wanted.begin() + static_cast<std::ptrdiff_t>(i), twin);
+  }
+  if (attached != wanted.size()) {
+    return Unexpected(refused + "it has " + std::to_string(wanted.size()) + " nodes, the state " +
                       std::to_string(attached));
   }
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
     const CanNodeData& n = state.nodes[i];
-    if (n.options.name != nodes[i]->options.name || n.ring.size() != nodes[i]->ring.size()) {
-      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + nodes[i]->options.name +
+    if (n.options.name != wanted[i]->options.name || n.ring.size() != wanted[i]->ring.size()) {
+      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + wanted[i]->options.name +
                         ", in the state " + n.options.name);
     }
   }
   cancel_events();
+  nodes = std::move(wanted);
   static_cast<CanWireData&>(*this) = state.wire;
   recovering = 0;
   states_changed = false;
@@ -247,6 +328,7 @@ Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
   plan_recovery();
   for (const NodePtr& n : nodes) {
     if (n->bus_off_due) plan_bus_off(n->bus_off_at, *n);
+    if (n->held) hold(*n, CanNodeData::Waiting(*n->held), n->release_at);
   }
   return {};
 }
@@ -278,7 +360,12 @@ void CanBus::stop_observing(const CanBusObserver* observer) {
 void CanBus::set_faults(CanFaultPlan plan) {
   impl_->injected_before += impl_->judge.injected();
   impl_->judge = CanFaultJudge(std::move(plan));
+  const std::vector<Impl::NodePtr> all = impl_->nodes;
+  for (const auto& n : all)
+    if (n->is_twin) impl_->detach(n);
 }
+
+void CanBus::add_fault(CanFaultRule rule) { impl_->judge.add(std::move(rule)); }
 
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace vinv::transports {
 struct CanNodeState : CanNodeData {
   std::shared_ptr<const CanHandlers> handlers;
   kernel::EventId bus_off_event = 0;
+  kernel::EventId release_event = 0;
 };
 
 struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
@@ -27,6 +29,11 @@ struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
   NodePtr attach(Instant now, CanNodeOptions node_options);
   void detach(const NodePtr& node);
   CanSend send(Instant now, const NodePtr& node, const CanFrame& frame);
+  void hold(CanNodeState& node, const CanNodeState::Waiting& waiting, Instant until);
+  void release(Instant now, CanNodeState& node);
+  NodePtr twin_of(const CanNodeState& node) const;
+  void send_as_twin(Instant now, const NodePtr& node, const CanNodeState::Waiting& waiting);
+  void start_for(Instant now, CanNodeState& node);
   void set_online(Instant now, const NodePtr& node, bool online);
   void reset_controller(Instant now, const NodePtr& node);
   void set_handlers(CanNodeState& node, std::shared_ptr<const CanHandlers> handlers);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,9 @@ struct CanNodeData {
   Instant recovery_from{};   // the sequences before it are counted
   bool bus_off_due = false;  // by a fault plan, at bus_off_at
   Instant bus_off_at{};
+  bool is_twin = false;         // made by a fault plan, of the node that its name ends with
+  std::optional<Waiting> held;  // by a fault plan, behind the next frame or until release_at
+  Instant release_at{};
   std::uint64_t sent = 0;
   std::uint64_t received = 0;
   std::uint64_t lost = 0;

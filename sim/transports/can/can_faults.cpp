@@ -4,16 +4,15 @@
 
 namespace vinv::transports {
 
-CanVerdict CanFaultJudge::judge(const CanFrame& frame, std::string_view node) {
+CanVerdict CanFaultJudge::judge(Instant now, const CanFrame& frame, std::string_view node) {
   CanVerdict verdict;
   for (std::size_t i = 0; i < plan_.rules.size(); ++i) {
     const CanFaultRule& rule = plan_.rules[i];
     if (((frame.id ^ rule.id) & rule.mask) != 0) continue;
     if (rule.extended && *rule.extended != frame.extended) continue;
     if (!rule.node.empty() && rule.node != node) continue;
-    ++seen_[i];
-    const bool hit = rule.nth != 0 ? rule.nth == seen_[i] : random_.uniform() < rule.probability;
-    if (!hit) continue;
+    if (std::find(rule.not_nodes.begin(), rule.not_nodes.end(), node) != rule.not_nodes.end()) continue;
+    if (!counts_[i].hit(rule.when, now, random_)) continue;
     ++injected_;
     switch (rule.fault) {
       case CanFault::kDrop: verdict.drop = true; break;
@@ -25,6 +24,9 @@ CanVerdict CanFaultJudge::judge(const CanFrame& frame, std::string_view node) {
       case CanFault::kCorrupt: verdict.corrupt += rule.times; break;
       case CanFault::kErrorFrame: verdict.error_frames += rule.times; break;
       case CanFault::kBusOff: verdict.bus_off = true; break;
+      case CanFault::kReorder: verdict.reorder = rule.delay; break;
+      case CanFault::kSilence: verdict.silence = true; break;
+      case CanFault::kTwin: verdict.twin = true; break;
     }
   }
   return verdict;

@@ -12,6 +12,7 @@
 #include "sim/base/can_frame.hpp"
 #include "sim/base/random.hpp"
 #include "sim/base/time.hpp"
+#include "sim/transports/fault_trigger.hpp"
 
 namespace vinv::transports {
 
@@ -22,6 +23,9 @@ enum class CanFault : std::uint8_t {
   kCorrupt,     // one bit between control field and CRC is inverted: nodes signal an error, the frame is sent again
   kErrorFrame,  // somebody signals an error right after the arbitration field: the frame is sent again
   kBusOff,      // its node goes bus off; the frame and what waits behind it are lost
+  kReorder,     // behind the next frame of its node, but not later than CanFaultRule::delay
+  kSilence,     // never gets to the wire; its node believes that it waits
+  kTwin,        // a second node with the same address sends the same identifier at the same time, with other data
 };
 
 struct CanFaultRule {
@@ -31,9 +35,8 @@ struct CanFaultRule {
   std::uint32_t mask = 0;
   std::optional<bool> extended;
   std::string node;
-  // Which of these: the nth, counted from 1; 0: by probability, 0 to 1.
-  std::uint64_t nth = 0;
-  double probability = 0;
+  std::vector<std::string> not_nodes;  // nor of these
+  FaultTrigger when;                   // of those frames
   Duration delay{};
   unsigned times = 1;  // kCorrupt, kErrorFrame: attempts to send it that fail
 };
@@ -47,6 +50,9 @@ struct CanFaultPlan {
 struct CanVerdict {
   bool drop = false;
   bool bus_off = false;
+  bool silence = false;
+  bool twin = false;
+  std::optional<Duration> reorder;
   Duration delay{};
   unsigned corrupt = 0;       // attempts
   unsigned error_frames = 0;  // attempts, after those of corrupt
@@ -57,17 +63,22 @@ struct CanVerdict {
 class CanFaultJudge {
  public:
   explicit CanFaultJudge(CanFaultPlan plan)
-      : plan_(std::move(plan)), seen_(plan_.rules.size(), 0), random_(plan_.seed) {}
+      : plan_(std::move(plan)), counts_(plan_.rules.size()), random_(plan_.seed) {}
 
-  CanVerdict judge(const CanFrame& frame, std::string_view node);
-  // Which bit of kCorrupt, 0 to bound - 1.
+  CanVerdict judge(Instant now, const CanFrame& frame, std::string_view node);
+  // Behind the rules there are.
+  void add(CanFaultRule rule) {
+    plan_.rules.push_back(std::move(rule));
+    counts_.emplace_back();
+  }
+  // Which bit of kCorrupt, which byte of kTwin: 0 to bound - 1.
   std::uint64_t pick(std::uint64_t bound) { return random_.below(bound); }
   // Times a rule has acted.
   std::uint64_t injected() const { return injected_; }
 
  private:
   CanFaultPlan plan_;
-  std::vector<std::uint64_t> seen_;  // frames that each rule has looked at
+  std::vector<FaultCount> counts_;  // by rule
   Random random_;
   std::uint64_t injected_ = 0;
 };

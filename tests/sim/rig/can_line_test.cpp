@@ -205,7 +205,7 @@ TEST_F(CanLineTest, WrongWordsOfWireAreToldWithWhatIsAllowed) {
   EXPECT_NE(told({"drop", "110", "%"}).find("allowed: 0 to 100 % of the frames"), std::string::npos);
   EXPECT_NE(told({"drp=10 %"}).find("Did you mean \"drop\"?"), std::string::npos);
   EXPECT_NE(told({"drop", "10", "%", "id", "800"}).find("\"0\" to \"7FF\""), std::string::npos);
-  EXPECT_NE(told({"drop", "10", "%", "of", "b"}).find("allowed: own, all"), std::string::npos);
+  EXPECT_NE(told({"drop", "10", "%", "of", "b"}).find("allowed: own, master, all"), std::string::npos);
   EXPECT_NE(told({"bus_off", "drop", "10", "%"}).find("bus_off stands alone"), std::string::npos);
   EXPECT_NE(told({"share", "10", "%"}).find("share belongs to delay"), std::string::npos);
   EXPECT_NE(told({"id", "185"}).find("wire lacks a fault"), std::string::npos);

@@ -5,6 +5,7 @@
 
 #include "sim/scenario/batch.hpp"
 #include "sim/scenario/junit.hpp"
+#include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/report/csv_report.hpp"
 #include "sim/scenario/report/html_report.hpp"
 #include "sim/scenario/report/wire_report.hpp"
@@ -28,6 +29,8 @@ std::map<std::string, std::string> texts_with(std::size_t jobs) {
   std::map<std::string, std::string> texts;
   BatchOptions options;
   options.load.catalogue = rig::shipped_catalogue();
+  options.load.masters = protocol_masters();
+  options.run.masters = options.load.masters;
   options.jobs = jobs;
   auto keep = std::make_unique<Keep>();
   keep->texts = &texts;

@@ -74,8 +74,16 @@ TEST(Reached, InTimeNotTooEarlyAndForStates) {
            Case{"reached: { stopped: on, within: 50 ms }", "reached: stopped | on within 50 ms | off after 50 ms"},
            Case{"reached: { running: on, within: 1 s, not_before: 100 ms }",
                 "reached: running | on within 1 s, not before 100 ms | on after 0 s"},
+           Case{"reached: { terminals: { RUN: on }, within: 10 ms }", ""},
+           Case{"reached: { terminals: { RUN: off }, within: 10 ms }", "reached: RUN | off within 10 ms | on after 10 ms"},
+           Case{"reached: { parameters: { Pr.7: 0.5 }, within: 10 ms }", ""},
+           Case{"reached: { parameters: { Pr.7: 0.6 }, within: 10 ms }",
+                "reached: Pr.7 | 0.6 within 10 ms | 0.5 after 10 ms"},
        })
     expect_outcome(c);
+  const RunResult stopped =
+      run_steps("  - stop\n  - reached: { terminals: { RUN: off }, within: 180 ms, not_before: 160 ms }\n");
+  EXPECT_EQ(stopped.verdict, Verdict::kPassed) << failures(stopped);
   // Passing through a value counts, although no sample may lie on it.
   const RunResult r = run_steps("  - stop\n  - reached: { output_frequency: 11.2345 Hz, within: 200 ms }\n");
   EXPECT_EQ(r.verdict, Verdict::kPassed) << failures(r);
@@ -90,6 +98,12 @@ TEST(Ramp, TimeAndLinearityAreMeasured) {
   const RunResult slow = ramp("time: 80 ms, tolerance: 2 ms");
   EXPECT_EQ(only_failure(slow).expected, "18 Hz to 8 Hz in 80 ms +- 2 ms");
   EXPECT_EQ(only_failure(slow).seen, "100 ms");
+  // One after the other, the second from where the first has ended.
+  const RunResult both = run_steps(
+      "  - stop\n  - ramp: { signal: output_frequency, from: 18 Hz, to: 12 Hz, time: 60 ms, tolerance: 1 ms }\n"
+      "  - ramp: { signal: output_frequency, from: 12 Hz, to: 8 Hz, time: 40 ms, tolerance: 1 ms, linearity: 0.1 Hz }\n");
+  EXPECT_EQ(both.verdict, Verdict::kPassed) << failures(both);
+  EXPECT_EQ(both.checks.size(), 3u);
   // An S pattern takes the same time and is not straight.
   const RunResult curved =
       run(std::string(kHead) + kRunning +

@@ -8,6 +8,9 @@ namespace vinv::scenario {
 namespace {
 
 using testing::failures;
+using testing::kHead;
+using testing::kRunning;
+using testing::read;
 using testing::run_steps;
 
 // Steps after which a check sees the effect of the word.
@@ -74,6 +77,25 @@ TEST(Words, ALoadCanRampAndFollowATable) {
       "  - after: 2 s\n"
       "    check: { load_torque: 1.5 Nm +- 0.05 Nm }\n");
   EXPECT_EQ(table.verdict, Verdict::kPassed) << failures(table);
+}
+
+// They are no parameters, and at the time of reading the drive is in the wrong mode for them.
+TEST(Words, ParametersAreClearedInPuOperation) {
+  const RunResult r = run_steps(
+      "  - stop\n  - when: stopped\n  - parameter: { Pr.CL: 1 }\n    refused: yes\n  - mode: PU\n"
+      "  - parameter: { Pr.340: 1 }\n  - parameter: { Pr.CL: 1 }\n"
+      "  - check: { parameters: { Pr.7: 5, Pr.340: 1 } }\n  - parameter: { ALLC: 1 }\n"
+      "  - check: { parameters: { Pr.340: 0 } }\n  - parameter: { Er.CL: 1 }\n");
+  EXPECT_EQ(r.verdict, Verdict::kPassed) << failures(r);
+  EXPECT_EQ(r.checks.size(), 4u);
+  try {
+    read(std::string(kHead) + kRunning + "  - parameter: { Pr.CL: 2 }\n  - parameter: { ALC: 1 }\n");
+    FAIL();
+  } catch (const ScenarioFileError& e) {
+    const std::string told = e.what();
+    EXPECT_NE(told.find("Pr.CL takes 1"), std::string::npos) << told;
+    EXPECT_NE(told.find("there is no parameter ALC"), std::string::npos) << told;
+  }
 }
 
 TEST(Words, AReferenceBeyondTheAnalogInputIsRefused) {

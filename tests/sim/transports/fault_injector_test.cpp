@@ -54,7 +54,7 @@ struct Bench {
 FaultRule nth(Fault fault, std::uint64_t n, Duration delay = {}, std::size_t bytes = 1) {
   FaultRule rule;
   rule.fault = fault;
-  rule.nth = n;
+  rule.when.nth = n;
   rule.delay = delay;
   rule.bytes = bytes;
   return rule;
@@ -128,7 +128,7 @@ FaultPlan random_plan(std::uint64_t seed) {
       FaultRule rule;
       rule.fault = fault;
       rule.direction = direction;
-      rule.probability = 0.1;
+      rule.when.probability = 0.1;
       rule.delay = milliseconds(7);
       plan.rules.push_back(rule);
     }
@@ -149,7 +149,7 @@ TEST(FaultInjector, TheSeedDecidesAndOnlyTheSeed) {
 
 TEST(FaultInjector, ProbabilityIsAboutTheShareOfPieces) {
   FaultRule rule;
-  rule.probability = 0.25;
+  rule.when.probability = 0.25;
   Bench b({.seed = 11, .rules = {rule}});
   b.run(800);
   EXPECT_NEAR(static_cast<double>(b.faulty->injected()), 200, 40);
@@ -168,7 +168,7 @@ TEST(FaultInjector, TheEndComesBehindDelayedBytesAndOnce) {
 TEST(FaultInjector, DelayedBytesAreLimited) {
   FaultRule rule;
   rule.fault = Fault::kDelay;
-  rule.probability = 1;
+  rule.when.probability = 1;
   rule.delay = milliseconds(1000);
   Bench b({.rules = {rule}});
   for (int i = 0; i < 65; ++i) b.faulty->send(at_ms(0), Bytes(1024));
@@ -194,6 +194,53 @@ TEST(FaultInjector, DestroyedInItsHandlerOrWithDelayedBytesItStaysQuiet) {
   b.scheduler.run_until(at_ms(100));
   EXPECT_EQ(calls, 1);
   EXPECT_EQ(b.at_peer, "0:<closed by the peer> ");
+}
+
+TEST(FaultInjector, AReorderedPieceGoesBehindTheNextOrWhenItsTimeIsOver) {
+  Bench b({.rules = {nth(Fault::kReorder, 1, milliseconds(100)), nth(Fault::kReorder, 3, milliseconds(100))}});
+  b.run(3);
+  EXPECT_EQ(b.at_peer, "20:s2 20:s1 130:s3 ");
+}
+
+TEST(FaultInjector, AHeldPieceComesBeforeTheEnd) {
+  FaultRule rule = nth(Fault::kReorder, 1, milliseconds(100));
+  rule.direction = Direction::kReceive;
+  Bench b({.rules = {rule}});
+  b.peer->send(b.scheduler.now(), bytes_of("r1"));
+  b.peer->close();
+  b.run(0);
+  EXPECT_EQ(b.at_us, "0:r1 0:<closed by the peer> ");
+}
+
+TEST(FaultInjector, AHalfOpenStreamIsSilentAndTellsNoEnd) {
+  Bench b({});
+  b.run(1);
+  b.faulty->handle().half_open();
+  b.faulty->send(b.scheduler.now(), bytes_of("s2"));
+  b.peer->send(b.scheduler.now(), bytes_of("r2"));
+  b.run(0);
+  b.peer->close();
+  b.scheduler.run_until(at_ms(20'000));
+  EXPECT_EQ(b.at_peer, "10:s1 ");
+  EXPECT_EQ(b.at_us, "10:r1 ");
+}
+
+TEST(FaultInjector, RulesThatComeLaterCountFromThen) {
+  Bench b({});
+  b.run(2);
+  const FaultInjector::Handle handle = b.faulty->handle();
+  handle.add(nth(Fault::kDrop, 1));
+  for (const char* text : {"a", "b"}) b.faulty->send(b.scheduler.now(), bytes_of(text));
+  handle.clear();
+  handle.add(nth(Fault::kGarble, 1));
+  b.faulty->send(b.scheduler.now(), bytes_of("cdefgh"));
+  b.scheduler.run_until(at_ms(20'000));
+  EXPECT_TRUE(b.at_peer.starts_with("10:s1 20:s2 10000:b 10000:")) << b.at_peer;
+  EXPECT_EQ(b.at_peer.find("cdefgh"), std::string::npos);
+  EXPECT_EQ(b.faulty->injected(), 2u);
+  b.faulty.reset();
+  EXPECT_FALSE(handle.alive());
+  handle.add(nth(Fault::kDrop, 1));
 }
 
 }  // namespace

@@ -153,5 +153,21 @@ TEST(MemoryLink, APeerThatNeverReadsIsDisconnectedAtTheLimit) {
   EXPECT_EQ(reason, "closed by the peer");
 }
 
+TEST(MemoryLink, CharactersOfASerialLineTakeTheirTimeAndTheirTurn) {
+  kernel::Scheduler s;
+  auto [a, b] = make_memory_link(s, {.character = std::chrono::milliseconds(1)});
+  std::string heard;
+  b->set_handlers(
+      [&](Instant now, ByteView bytes, bool) {
+        heard += std::to_string(to_ns(now) / 1'000'000) + ":" + std::to_string(bytes.size()) + " ";
+      },
+      [&](Instant now, const std::string&) { heard += std::to_string(to_ns(now) / 1'000'000) + ":end"; });
+  a->send(s.now(), Bytes(8));
+  a->send(s.now(), Bytes(2));
+  a->close();
+  s.run_until(instant_from_ns(1'000'000'000));
+  EXPECT_EQ(heard, "8:8 10:2 10:end");
+}
+
 }  // namespace
 }  // namespace vinv::transports

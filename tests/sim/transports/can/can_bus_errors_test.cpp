@@ -318,7 +318,7 @@ TEST(CanBusErrors, APassiveNodeLeavesEightBitsMoreToOthers) {
   CanFaultRule rule;
   rule.fault = CanFault::kCorrupt;
   rule.node = "a";
-  rule.nth = 1;
+  rule.when.nth = 1;
   rule.times = 17;
   b.bus->set_faults({1, {rule}});
   a.node->send(b.now(), CanFrame::standard(0x001, {}));

@@ -45,10 +45,11 @@ std::vector<Stimulus> story() {
 CanFaultPlan faults() {
   CanFaultPlan plan{7, {}};
   for (const CanFault fault : {CanFault::kDrop, CanFault::kDelay, CanFault::kDuplicate, CanFault::kCorrupt,
-                               CanFault::kErrorFrame, CanFault::kBusOff}) {
+                               CanFault::kErrorFrame, CanFault::kBusOff, CanFault::kReorder, CanFault::kSilence,
+                               CanFault::kTwin}) {
     CanFaultRule rule;
     rule.fault = fault;
-    rule.probability = fault == CanFault::kBusOff ? 0.01 : 0.04;
+    rule.when.probability = fault == CanFault::kBusOff ? 0.01 : 0.04;
     rule.delay = std::chrono::microseconds(700);
     rule.times = 3;
     plan.rules.push_back(rule);
@@ -155,7 +156,7 @@ TEST(CanBusState, AForcedBusOffThatIsDueHappensAfterwards) {
   CanFaultPlan plan;
   plan.rules.push_back({});
   plan.rules[0].fault = CanFault::kBusOff;
-  plan.rules[0].nth = 1;
+  plan.rules[0].when.nth = 1;
   BusBench first;
   first.bus->set_faults(plan);
   LoggingNode& sender = first.add("a");

@@ -13,7 +13,7 @@ using std::chrono::microseconds;
 CanFaultRule nth(CanFault fault, std::uint64_t n) {
   CanFaultRule rule;
   rule.fault = fault;
-  rule.nth = n;
+  rule.when.nth = n;
   return rule;
 }
 
@@ -122,21 +122,21 @@ TEST(CanFaults, RulesChooseByIdentifierFormatAndNode) {
   CanFaultJudge judge({1, {rule}});
   CanFrame ext = CanFrame::standard(0x585, {});
   ext.extended = true;
-  EXPECT_FALSE(judge.judge(CanFrame::standard(0x605, {}), "a").drop);
-  EXPECT_FALSE(judge.judge(ext, "a").drop);
-  EXPECT_FALSE(judge.judge(CanFrame::standard(0x585, {}), "b").drop);
-  EXPECT_TRUE(judge.judge(CanFrame::standard(0x585, {}), "a").drop);  // the first of those it chooses
-  EXPECT_FALSE(judge.judge(CanFrame::standard(0x585, {}), "a").drop);
+  EXPECT_FALSE(judge.judge(Instant{}, CanFrame::standard(0x605, {}), "a").drop);
+  EXPECT_FALSE(judge.judge(Instant{}, ext, "a").drop);
+  EXPECT_FALSE(judge.judge(Instant{}, CanFrame::standard(0x585, {}), "b").drop);
+  EXPECT_TRUE(judge.judge(Instant{}, CanFrame::standard(0x585, {}), "a").drop);  // the first of those it chooses
+  EXPECT_FALSE(judge.judge(Instant{}, CanFrame::standard(0x585, {}), "a").drop);
   EXPECT_EQ(judge.injected(), 1u);
 }
 
 TEST(CanFaults, TheSeedDecidesByProbability) {
   CanFaultPlan plan;
   CanFaultRule rule;
-  rule.probability = 0.25;
+  rule.when.probability = 0.25;
   plan.rules.push_back(rule);
   rule.fault = CanFault::kCorrupt;
-  rule.probability = 0.1;
+  rule.when.probability = 0.1;
   plan.rules.push_back(rule);
   const std::string first = heard(plan, 200, true);
   EXPECT_EQ(first, heard(plan, 200, true));
@@ -144,6 +144,70 @@ TEST(CanFaults, TheSeedDecidesByProbability) {
   EXPECT_NEAR(static_cast<double>(count), 150, 25);
   plan.seed = 2;
   EXPECT_NE(first, heard(plan, 200, true));
+}
+
+TEST(CanFaults, TwoNodesWithOneAddressDriveEachOtherBusOff) {
+  BusBench b;
+  auto& a = b.add("a");
+  auto& c = b.add("c");
+  CanFaultRule rule;
+  rule.fault = CanFault::kTwin;
+  rule.node = "a";
+  rule.when = FaultTrigger::only(1);
+  b.bus->set_faults({3, {rule}});
+  a.node->send(b.now(), CanFrame::standard(0x585, {1, 2, 3}));
+  b.run_to_us(100'000);
+  // 8 for each attempt; 256 is bus off. The frames are lost.
+  EXPECT_EQ(b.stats().error_frames, 32u);
+  EXPECT_EQ(c.node->status().received, 0u);
+  EXPECT_EQ(a.node->status().counters, (CanErrorCounters{0, 0})) << "recovered";
+  a.node->send(b.now(), CanFrame::standard(0x585, {4}));
+  b.run_to_us(200'000);
+  EXPECT_EQ(c.node->status().received, 1u);
+  EXPECT_EQ(b.stats().nodes, 3u);
+  b.bus->set_faults({});
+  EXPECT_EQ(b.stats().nodes, 2u);
+}
+
+TEST(CanFaults, AReorderedFrameGoesBehindTheNextOrWhenItsTimeIsOver) {
+  CanFaultRule rule = nth(CanFault::kReorder, 1);
+  rule.delay = microseconds(50'000);
+  EXPECT_EQ(heard({1, {rule}}, 3), "02 01 03 ");
+  EXPECT_EQ(heard({1, {rule}}, 1), "01 ");
+}
+
+TEST(CanFaults, ASilencedFrameNeverGetsToTheWire) {
+  CanFaultRule rule;
+  rule.fault = CanFault::kSilence;
+  rule.when = FaultTrigger::always();
+  rule.not_nodes = {"c"};
+  EXPECT_EQ(heard({1, {rule}}, 3), "");
+  rule.not_nodes = {"a"};
+  EXPECT_EQ(heard({1, {rule}}, 3), "01 02 03 ");
+}
+
+TEST(FaultTrigger, ChoosesByNumberStepTimesAndSpan) {
+  const auto hits = [](const FaultTrigger& when) {
+    FaultCount count;
+    Random random(1);
+    std::string out;
+    for (int i = 1; i <= 9; ++i)
+      if (count.hit(when, instant_from_ns(i), random)) out += std::to_string(i);
+    return out;
+  };
+  EXPECT_EQ(hits(FaultTrigger::only(4)), "4");
+  FaultTrigger every;
+  every.every = 3;
+  EXPECT_EQ(hits(every), "369");
+  every.times = 2;
+  EXPECT_EQ(hits(every), "36");
+  FaultTrigger span = FaultTrigger::always();
+  span.from = instant_from_ns(3);
+  span.until = instant_from_ns(6);
+  EXPECT_EQ(hits(span), "345");
+  span.nth = 2;
+  EXPECT_EQ(hits(span), "4") << "counted within the span";
+  EXPECT_EQ(hits(FaultTrigger{}), "");
 }
 
 }  // namespace

@@ -1,0 +1,42 @@
+#include "sim/rig/wire_tap.hpp"
+
+#include <utility>
+
+namespace vinv::rig {
+
+void WireTap::forget_dead() {
+  std::erase_if(streams_, [](const auto& s) { return !s.alive(); });
+}
+
+std::unique_ptr<transports::ByteStream> WireTap::wrap(std::unique_ptr<transports::ByteStream> stream) {
+  forget_dead();
+  auto faulty = std::make_unique<transports::FaultInjector>(scheduler_, std::move(stream),
+                                                            transports::FaultPlan{.seed = 1, .rules = faults_});
+  streams_.push_back(faulty->handle());
+  return faulty;
+}
+
+void WireTap::set_fault(const transports::FaultRule& rule) {
+  const auto replaced =
+      std::erase_if(faults_, [&](const auto& r) { return r.fault == rule.fault && r.direction == rule.direction; });
+  if (rule.when.acts()) faults_.push_back(rule);
+  for (const auto& stream : streams_) {
+    if (replaced > 0) {
+      stream.clear();
+      for (const transports::FaultRule& r : faults_) stream.add(r);
+    } else if (rule.when.acts()) {
+      stream.add(rule);
+    }
+  }
+}
+
+void WireTap::clear_faults() {
+  faults_.clear();
+  for (const auto& stream : streams_) stream.clear();
+}
+
+void WireTap::half_open() {
+  for (const auto& stream : streams_) stream.half_open();
+}
+
+}  // namespace vinv::rig
