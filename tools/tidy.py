@@ -15,6 +15,7 @@ ARROWS = {
     "sim/transports": ["sim/kernel"],
     "sim/rig": ["sim/transports", "option_boards/boards", "motor_model/inverter"],
     "sim/scenario": ["sim/rig"],
+    "sim/campaign": ["sim/scenario"],
     "motor_model/port": ["sim/base"],
     "motor_model/plant": ["sim/base"],
     "motor_model/drive": ["motor_model/port", "sim/base"],
@@ -28,7 +29,7 @@ ARROWS = {
     "option_boards/componet": ["option_boards/cip"],
     "option_boards/fins": ["option_boards/componet"],
     "option_boards/boards": ["option_boards/*", "motor_model/port", "sim/base"],
-    "tools/panel": ["sim/scenario"],
+    "tools/panel": ["sim/campaign"],
     "tools/vinverter": ["tools/panel"],
 }
 # Tools that are not in the chain above, and the tests, see everything; nothing includes them.
