@@ -21,6 +21,7 @@ class ShortestRamp {
   static constexpr double kFirstRate_hz_s = 10;
   double rate_hz_s_ = kFirstRate_hz_s;
   double last_dc_link_v_ = 0;
+  Motion motion_ = Motion::kConstant;
   FirstOrderLag link_rise_v_s_;
 };
 
