@@ -1,6 +1,8 @@
 // Duty of the brake resistor (E500 Pr.30, 70): a budget of on-time that refills at the permitted duty.
 #pragma once
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::drive {
 
 class BrakeDuty {
@@ -17,6 +19,7 @@ class BrakeDuty {
  private:
   double fraction_ = 0;
   bool permits_ = true;
+  VINV_ARCHIVE(BrakeDuty, fraction_, permits_);
 };
 
 }  // namespace vinv::drive

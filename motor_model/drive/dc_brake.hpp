@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "motor_model/drive/drive_types.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -28,6 +29,7 @@ class DcBrake {
 
  private:
   double elapsed_s_ = 0;
+  VINV_ARCHIVE(DcBrake, elapsed_s_);
 };
 
 }  // namespace vinv::drive

@@ -3,6 +3,7 @@
 
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -30,6 +31,8 @@ class DetectionOutputs {
   bool frequency_detected_ = false;
   bool current_detected_ = false;
   bool zero_current_ = false;
+  VINV_ARCHIVE(DetectionOutputs, current_, zero_, current_hold_s_, up_to_frequency_, frequency_detected_,
+               current_detected_, zero_current_);
 };
 
 }  // namespace vinv::drive

@@ -15,6 +15,7 @@
 #include "motor_model/drive/shortest_ramp.hpp"
 #include "motor_model/drive/slip_compensation.hpp"
 #include "motor_model/drive/stall_prevention.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -70,6 +71,9 @@ class DriveCore {
   bool stalled_at_constant_ = false;  // stall prevention has taken a constant speed down and it is not yet back
   bool overload_ = false;
   DriveOutputs out_;
+  VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, current_limit_,
+               compensation_current_, dc_brake_, coast_delay_, link_, power_failure_, cushion_, brake_duty_,
+               protections_, detection_, stalled_at_constant_, overload_, out_);
 };
 
 }  // namespace vinv::drive

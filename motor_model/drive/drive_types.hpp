@@ -6,17 +6,21 @@
 #include <cstdint>
 #include <optional>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::drive {
 
 enum class RampPattern : std::uint8_t { kLinear, kSCurveA, kSCurveB };
+VINV_ENUM_RANGE(RampPattern, kLinear, kSCurveB);
 enum class LoadPattern : std::uint8_t { kConstantTorque, kVariableTorque, kHoistBoostForward, kHoistBoostReverse };
+VINV_ENUM_RANGE(LoadPattern, kConstantTorque, kHoistBoostReverse);
 
 struct FrequencyBand {
   double low_hz = 0;
   double high_hz = 0;  // jump band off when high <= low; the frequency that is taken instead is jump_to_hz
   double jump_to_hz = 0;
+  VINV_ARCHIVE(FrequencyBand, low_hz, high_hz, jump_to_hz);
 };
 
 // Effective settings for this tick: the personality has already chosen between first and second functions and jog.
@@ -110,9 +114,26 @@ struct DriveSettings {
   double zero_current_s = 0.5;
   // carrier, for the loss model and the monitor
   double carrier_hz = 1000;
+  VINV_ARCHIVE(DriveSettings, rated_current_a_rms, nominal_dc_link_v, supply_voltage_v_rms, max_frequency_hz,
+               min_frequency_hz, start_frequency_hz, jump_bands, acceleration_s, deceleration_s, ramp_reference_hz,
+               cushion_pattern_base_hz, ramp_pattern, base_frequency_hz, base_voltage_v_rms, torque_boost_percent,
+               load_pattern, stator_resistance_compensation_ohm, motor_slip_hz, motor_stator_ohm, rated_slip_hz,
+               motor_rated_current_a_rms, motor_no_load_current_a_rms, slip_response_s, slip_in_constant_output,
+               dc_brake_frequency_hz, dc_brake_s, dc_brake_voltage_percent, stall_level_percent,
+               stall_level_double_speed_percent, stall_compensated, stall_reduction_start_hz, stall_in_acceleration,
+               stall_at_constant, stall_in_deceleration, stall_trips_at_once, fast_current_limit, dc_link_hold_v,
+               shortest_acceleration, shortest_deceleration, shortest_watches_link, shortest_current_acceleration_a_rms,
+               shortest_current_deceleration_a_rms, stop_by_coasting, coast_delay_s, electronic_thermal_a_rms,
+               motor_forced_cooling, inverter_overload_start_percent, over_current_percent, over_voltage_v,
+               under_voltage_v, under_voltage_clear_v, stall_trip_frequency_hz, stall_trip_s, heat_sink_trip_c,
+               output_phase_loss_protection, earth_fault_detection, chopper_fitted, chopper_on_v, chopper_off_v,
+               chopper_duty_percent, restart_enabled, restart_coast_s, restart_cushion_s, power_failure_detect_s,
+               up_to_frequency_percent, detect_forward_hz, detect_reverse_hz, current_detect_percent, current_detect_s,
+               zero_current_percent, zero_current_s, carrier_hz);
 };
 
 enum class RunDirection : std::int8_t { kReverse = -1, kStop = 0, kForward = 1 };
+VINV_ENUM_RANGE(RunDirection, kReverse, kForward);
 
 struct DriveCommand {
   RunDirection direction = RunDirection::kStop;
@@ -154,6 +175,7 @@ enum class RunState : std::uint8_t {
   kRestartWait,
   kTripped,
 };
+VINV_ENUM_RANGE(RunState, kStopped, kTripped);
 
 // What a trip is in physics; the family names it (families/*/alarms.csv).
 enum class TripKind : std::uint8_t {
@@ -172,6 +194,7 @@ enum class TripKind : std::uint8_t {
   kOutputPhaseLoss,
   kExternalThermal,
 };
+VINV_ENUM_RANGE(TripKind, kOverCurrentAcceleration, kExternalThermal);
 
 // The cause chain that reports show: what was measured against which level, in which state.
 struct Trip {
@@ -181,6 +204,7 @@ struct Trip {
   double level = 0;
   RunState state{};
   double output_frequency_hz = 0;
+  VINV_ARCHIVE(Trip, kind, after, value, level, state, output_frequency_hz);
 };
 
 struct DriveOutputs {
@@ -205,6 +229,10 @@ struct DriveOutputs {
   double inverter_thermal_fraction = 0;
   double brake_duty_fraction = 0;  // of the permitted duty
   std::optional<Trip> trip;        // new in this tick
+  VINV_ARCHIVE(DriveOutputs, gates_on, stage_frequency_hz, stage_voltage_peak_v, chopper_enabled, state, running,
+               output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, power_failure, frequency_detected,
+               current_detected, zero_current, thermal_pre_alarm, motor_thermal_fraction, inverter_thermal_fraction,
+               brake_duty_fraction, trip);
 };
 
 }  // namespace vinv::drive

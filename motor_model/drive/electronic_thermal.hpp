@@ -1,6 +1,8 @@
 // Electronic thermal overload relay of the motor (E500 Pr.9, 48, 71): one thermal state, E.THM.
 #pragma once
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::drive {
 
 class ElectronicThermal {
@@ -21,6 +23,7 @@ class ElectronicThermal {
 
  private:
   double state_ = 0;
+  VINV_ARCHIVE(ElectronicThermal, state_);
 };
 
 }  // namespace vinv::drive

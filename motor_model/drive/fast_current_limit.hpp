@@ -3,6 +3,7 @@
 #pragma once
 
 #include "motor_model/drive/drive_types.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -19,6 +20,7 @@ class FastCurrentLimit {
  private:
   double factor_ = 1;
   double last_peak_a_ = 0;
+  VINV_ARCHIVE(FastCurrentLimit, factor_, last_peak_a_);
 };
 
 }  // namespace vinv::drive

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::drive {
 
 // Implicit Euler, so that any ratio of tick and time constant is stable; a time constant of 0 passes the input through.
@@ -18,6 +20,7 @@ class FirstOrderLag {
 
  private:
   double value_ = 0;
+  VINV_ARCHIVE(FirstOrderLag, value_);
 };
 
 // True once the condition has held for the delay. A delay of 0 is immediate.
@@ -34,6 +37,7 @@ class OnDelay {
 
  private:
   double held_s_ = 0;
+  VINV_ARCHIVE(OnDelay, held_s_);
 };
 
 }  // namespace vinv::drive

@@ -1,6 +1,8 @@
 // Overload of the inverter's transistors, inverse time, referred to the rated output current (E.THT).
 #pragma once
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::drive {
 
 class InverterOverload {
@@ -20,6 +22,7 @@ class InverterOverload {
 
  private:
   double fraction_ = 0;
+  VINV_ARCHIVE(InverterOverload, fraction_);
 };
 
 }  // namespace vinv::drive

@@ -4,12 +4,15 @@
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::drive {
 
 enum class PidAction : std::uint8_t {
   kReverse,  // a measured value below the set point raises the output (heating, pressure); Pr.128 = 20
   kForward,  // ... lowers it (cooling); Pr.128 = 21
 };
+VINV_ENUM_RANGE(PidAction, kReverse, kForward);
 
 struct PidSettings {
   PidAction action = PidAction::kReverse;
@@ -48,6 +51,8 @@ class Pid {
   bool tracking_ = false;
   bool fup_ = false;
   bool fdn_ = false;
+  VINV_ARCHIVE(Pid, integral_, derivative_, last_measured_, output_, deviation_, last_gain_, last_derivative_s_,
+               last_action_, started_, tracking_, fup_, fdn_);
 };
 
 }  // namespace vinv::drive

@@ -6,6 +6,7 @@
 
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -17,6 +18,7 @@ class LinkSupervision {
 
  private:
   bool low_ = true;  // until it has been charged
+  VINV_ARCHIVE(LinkSupervision, low_);
 };
 
 class PowerFailure {
@@ -39,10 +41,12 @@ class PowerFailure {
 
  private:
   enum class Phase : std::uint8_t { kNone, kDip, kFailed };
+  friend VINV_ENUM_RANGE(Phase, kNone, kFailed);
   Phase phase_ = Phase::kNone;
   bool stop_seen_ = false;
   OnDelay dip_;
   OnDelay waited_;
+  VINV_ARCHIVE(PowerFailure, phase_, stop_seen_, dip_, waited_);
 };
 
 // Voltage factor after a restart: from nothing to full over the cushion time.
@@ -58,6 +62,7 @@ class RestartCushion {
 
  private:
   double factor_ = 1;
+  VINV_ARCHIVE(RestartCushion, factor_);
 };
 
 }  // namespace vinv::drive

@@ -7,6 +7,7 @@
 #include "motor_model/drive/electronic_thermal.hpp"
 #include "motor_model/drive/filters.hpp"
 #include "motor_model/drive/inverter_overload.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -26,6 +27,7 @@ class EarthFault {
 
  private:
   double left_s_ = 0;
+  VINV_ARCHIVE(EarthFault, left_s_);
 };
 
 // An open output phase must persist while the output is on.
@@ -38,6 +40,7 @@ class OutputPhaseLoss {
 
  private:
   OnDelay open_;
+  VINV_ARCHIVE(OutputPhaseLoss, open_);
 };
 
 class Protections {
@@ -66,6 +69,7 @@ class Protections {
   InverterOverload inverter_;
   EarthFault earth_fault_;
   OutputPhaseLoss phase_loss_;
+  VINV_ARCHIVE(Protections, motor_, inverter_, earth_fault_, phase_loss_);
 };
 
 }  // namespace vinv::drive

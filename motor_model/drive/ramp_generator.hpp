@@ -3,10 +3,12 @@
 #pragma once
 
 #include "motor_model/drive/drive_types.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
 enum class Motion : std::uint8_t { kConstant, kAccelerating, kDecelerating };
+VINV_ENUM_RANGE(Motion, kConstant, kDecelerating);
 
 struct RampTimes {
   double acceleration_s = 5;  // 0: immediate
@@ -46,6 +48,8 @@ class RampGenerator {
   double plan_first_change_hz_ = 0;  // before the target moved
   double plan_progress_ = 0;
   bool planned_ = false;
+  VINV_ARCHIVE(RampGenerator, frequency_hz_, plan_target_hz_, plan_change_hz_, plan_first_change_hz_, plan_progress_,
+               planned_);
 };
 
 }  // namespace vinv::drive

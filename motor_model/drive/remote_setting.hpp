@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::drive {
 
 struct RemoteSettings {
@@ -40,6 +42,7 @@ class RemoteSetting {
   double rested_s_ = 0;
   bool last_start_ = false;
   bool store_due_ = false;
+  VINV_ARCHIVE(RemoteSetting, frequency_hz_, stored_hz_, rested_s_, last_start_, store_due_);
 };
 
 }  // namespace vinv::drive

@@ -5,6 +5,7 @@
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
 #include "motor_model/drive/ramp_generator.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -23,6 +24,7 @@ class ShortestRamp {
   double last_dc_link_v_ = 0;
   Motion motion_ = Motion::kConstant;
   FirstOrderLag link_rise_v_s_;
+  VINV_ARCHIVE(ShortestRamp, rate_hz_s_, last_dc_link_v_, link_rise_v_s_);
 };
 
 }  // namespace vinv::drive

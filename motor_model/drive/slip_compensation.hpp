@@ -3,6 +3,7 @@
 
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -14,6 +15,7 @@ class SlipCompensation {
 
  private:
   FirstOrderLag lag_;
+  VINV_ARCHIVE(SlipCompensation, lag_);
 };
 
 }  // namespace vinv::drive

@@ -13,6 +13,7 @@
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
 #include "motor_model/drive/ramp_generator.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::drive {
 
@@ -69,6 +70,8 @@ class StallPrevention {
   bool fresh_ = true;  // nothing learnt in this motion
   OnDelay pulled_down_;
   bool over_level_ = false;
+  VINV_ARCHIVE(StallPrevention, current_, driving_, ahead_a_rms_, motion_, learnt_hz_s_, fresh_, pulled_down_,
+               over_level_);
 };
 
 }  // namespace vinv::drive

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::inverter {
 
 struct AnalogLine {
@@ -26,6 +28,7 @@ struct AnalogFilter {
     output += (input - output) * std::min(1.0, period_s / std::max(time_constant_s, period_s));
     return output;
   }
+  VINV_ARCHIVE(AnalogFilter, output);
 };
 
 }  // namespace vinv::inverter

@@ -12,6 +12,7 @@
 #include "motor_model/inverter/alarm_table.hpp"
 #include "motor_model/inverter/parameter_store.hpp"
 #include "motor_model/inverter/user_groups.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::inverter {
 
@@ -24,6 +25,7 @@ struct EepromRecord {
   std::array<UserGroup, 2> groups{};
   port::AlarmHistory alarms{};
   friend bool operator==(const EepromRecord&, const EepromRecord&) = default;
+  VINV_ARCHIVE(EepromRecord, panel_frequency, remote_frequency, operating_seconds, retry_count, groups, alarms);
 };
 
 struct EepromContents {

@@ -35,6 +35,9 @@ struct InverterConfig {
   // Factory values of this unit in place of the family's ("Pr.345", 5), physical: what it starts with, and has again
   // after all clear or with a damaged EEPROM.
   std::vector<std::pair<std::string, double>> factory_values;
+  // Snapshots are taken after ticks at multiples of this time: there the plant's solver starts anew, with or without a
+  // snapshot, so that both runs are the same. A multiple of the control period; zero: nowhere.
+  Duration snapshot_grid = std::chrono::milliseconds(100);
 };
 
 struct ParameterInfo {
@@ -116,6 +119,20 @@ class Inverter {
   virtual bool take_eeprom_changed() = 0;  // true once after each change
   // Refuses a damaged text with line and reason; the inverter then has its storage alarm (E.PE) and factory values.
   virtual Outcome load_eeprom(std::string_view text) = 0;
+
+  // --- snapshots (docs/decisions/0005-snapshots.md) ---
+  // Everything that the future depends on, EEPROM included; option board and wires have theirs. An inverter made with
+  // the same config takes it and goes on byte for byte as the saved one. Refused off the grid.
+  Outcome save(Bytes& out);
+  // Refuses damaged bytes and those of another build, model, motor or circuit, and is then what it was before.
+  Outcome load(ByteView snapshot);
+  // True before the first tick, after each tick on the grid of InverterConfig, and where the solver starts anew anyway.
+  virtual bool on_snapshot_grid() const = 0;
+  // As a part of a larger snapshot; the owner asks on_snapshot_grid().
+  friend void archive(Archive& a, Inverter& inverter) { inverter.archive_state(a); }
+
+ protected:
+  virtual void archive_state(Archive& a) = 0;
 };
 
 // family: "fr-e500". Refuses an unknown family, model or bad motor with a sentence that names what is allowed.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "motor_model/port/drive_port.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::inverter {
 
@@ -31,6 +32,7 @@ class Mailbox {
  private:
   std::optional<port::WriteRequest> request_;
   std::optional<port::WriteOutcome> outcome_;
+  VINV_ARCHIVE(Mailbox, request_, outcome_);
 };
 
 }  // namespace vinv::inverter

@@ -114,4 +114,19 @@ void ParameterStore::set_eeprom(const std::vector<std::int32_t>& image) {
   eeprom_ = image;
 }
 
+void archive(Archive& a, ParameterStore& store) {
+  VINV_MEMBERS(store, table, factory, ram, eeprom, revision);
+  const std::vector<std::int32_t> own = a.loads() ? factory : std::vector<std::int32_t>{};
+  VINV_FIELDS(a, ParameterStore, factory, ram, eeprom, revision);
+  if (!a.loads()) return;
+  for (const auto* image : {&factory, &ram, &eeprom}) {
+    a.require(image->size() == table->rows().size(), "it has another number of parameters");
+    for (std::size_t i = 0; i < own.size() && !a.failed(); ++i) {
+      const std::int32_t raw = (*image)[i];
+      // Rows that hold no value accept none and keep what the factory gives them.
+      a.require(raw == own[i] || table->rows()[i].accepts(raw), "a parameter has a value that it does not take");
+    }
+  }
+}
+
 }  // namespace vinv::inverter

@@ -50,6 +50,9 @@ class ParameterStore {
   // Grows with every change of the RAM image, so that derived values are made anew only then.
   std::uint32_t revision() const { return revision_; }
 
+  // Both images and the factory values; a load refuses what the table does not accept.
+  friend void archive(Archive& a, ParameterStore& store);
+
  private:
   int decimals_in(std::size_t row, const std::vector<std::int32_t>& image) const;
 

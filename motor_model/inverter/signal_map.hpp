@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/result.hpp"
 
 namespace vinv::inverter {
@@ -53,6 +54,7 @@ struct SignalSet {
   constexpr SignalSet only(SignalSet mask) const { return {bits & mask.bits}; }
   friend constexpr SignalSet operator|(SignalSet a, SignalSet b) { return {a.bits | b.bits}; }
   friend constexpr bool operator==(SignalSet, SignalSet) = default;
+  VINV_ARCHIVE(SignalSet, bits);
 };
 using InputSignals = SignalSet<InputSignal>;
 using OutputSignals = SignalSet<OutputSignal>;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::inverter {
 
 struct UserGroup {
@@ -30,6 +32,7 @@ struct UserGroup {
   }
   void clear() { *this = UserGroup{}; }
   friend bool operator==(const UserGroup&, const UserGroup&) = default;
+  VINV_ARCHIVE(UserGroup, numbers, count);
 };
 
 }  // namespace vinv::inverter

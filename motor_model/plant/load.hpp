@@ -18,6 +18,7 @@ enum class ShaftMode : std::uint8_t {
   kReverse,
   kHeld,  // standing, held by dry torque
 };
+VINV_ENUM_RANGE(ShaftMode, kFree, kHeld);
 
 struct LoadModel {
   double inverse_inertia = 0;  // motor and load, 1/(kg m^2)

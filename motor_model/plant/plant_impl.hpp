@@ -38,6 +38,7 @@ struct PowerPlant::Impl {
   void enter_table_segment();
   void report(PlantEventKind kind, double value);
   void measure();
+  void take_held_inputs();  // everything derived from them, after a load
 
   double* y() { return solver->states(); }
   const double* y() const { return solver->states(); }
@@ -53,6 +54,7 @@ struct PowerPlant::Impl {
   SwitchLevels levels;
   Switches switches;
   std::unique_ptr<Solver> solver;
+  std::uint64_t constants = 0;  // checksum of what is not state: a snapshot fits only a plant with the same
 
   // The integer clock is the master; the solver counts seconds since base.
   Duration time{};

@@ -34,9 +34,18 @@ Rectifier make_rectifier(const MainsState& mains, double resistance_ohm) {
   return r;
 }
 
+std::uint64_t constants_of(const PlantConfig& config, SolverSettings solver) {
+  PlantConfig c = config;
+  Bytes bytes;
+  Archive a = Archive::saving(bytes);
+  VINV_FIELDS(a, Constants, c.machine, c.losses, c.dc_link, c.thermal, c.comparators, c.nominal_mains_v_rms, solver);
+  return snapshot_checksum(bytes);
+}
+
 }  // namespace
 
-PowerPlant::Impl::Impl(PlantConfig config_in, SolverSettings solver_settings) : config(std::move(config_in)) {
+PowerPlant::Impl::Impl(PlantConfig config_in, SolverSettings solver_settings)
+    : config(std::move(config_in)), constants(constants_of(config, solver_settings)) {
   VINV_CHECK(validate(config).has_value());
   const double nominal = std::numbers::sqrt2 * config.nominal_mains_v_rms;
   model.machine = MachineModel(config.machine);
@@ -98,8 +107,8 @@ void PowerPlant::Impl::settle_shaft() {
 }
 
 void PowerPlant::Impl::rebase() {
-  const double passed = to_seconds(time - base);
-  model.t_input -= passed;
+  // Without a way to go the number says nothing; zero is what it is after a load.
+  model.t_input = way_end == Duration::max() ? 0 : model.t_input - to_seconds(time - base);
   base = time;
   t = 0;
   enter_table_segment();  // computed anew rather than shifted: the same numbers as after a restore
@@ -260,6 +269,7 @@ bool PowerPlant::shaft_locked() const { return impl_->model.load.locked; }
 Duration PowerPlant::time() const { return impl_->time; }
 double PowerPlant::stored_energy_j() const { return stored_energy(impl_->model, impl_->y()); }
 void PowerPlant::restart_solver() { impl_->anew = true; }
+bool PowerPlant::starts_anew() const { return impl_->anew; }
 std::uint64_t PowerPlant::rhs_calls() const { return impl_->solver->rhs_calls(); }
 std::uint64_t PowerPlant::reinitialisations() const { return impl_->reinitialisations; }
 

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
 
@@ -34,6 +35,8 @@ struct MachineParameters {
   double rated_frequency_hz = 50;
   double rated_current_a_rms = 0;
   double rated_speed_rpm = 0;
+  VINV_ARCHIVE(MachineParameters, name, R_s_ohm, R_r_ohm, L_ls_h, L_lr_h, L_m_h, pole_pairs, inertia_kg_m2,
+               rated_power_w, rated_voltage_v_rms, rated_frequency_hz, rated_current_a_rms, rated_speed_rpm);
 };
 
 // Refuses values that no machine has (non-positive, leakage above magnetising inductance, speed above synchronous ...)
@@ -51,6 +54,8 @@ struct LossSettings {
   double standby_w = 0;                   // control supply from the DC link
   double viscous_nm_s = 0;                // friction torque = viscous * omega_mech
   double coulomb_nm = 0;                  // dry friction, opposes rotation
+  VINV_ARCHIVE(LossSettings, iron_loss_w_at_rated, inverter_loss_fraction, inverter_switching_share, standby_w,
+               viscous_nm_s, coulomb_nm);
 };
 inline constexpr double kReferenceCarrier_hz = 1000;
 // What a real drive of this motor's size has, typical for the family (losses.cpp says which numbers).
@@ -63,6 +68,8 @@ struct DcLinkSettings {
   double bypass_closes_fraction = 0.80;   // of nominal sqrt(2) * rated mains voltage
   double bypass_opens_fraction = 0.75;
   double brake_resistance_ohm = 0;        // 0: no brake resistor fitted
+  VINV_ARCHIVE(DcLinkSettings, capacitance_f, source_resistance_ohm, precharge_resistance_ohm, bypass_closes_fraction,
+               bypass_opens_fraction, brake_resistance_ohm);
 };
 
 struct ThermalSettings {
@@ -70,6 +77,8 @@ struct ThermalSettings {
   double heat_sink_time_constant_s = 300;
   double winding_rise_k_at_rated = 80;    // at rated current, steady state
   double winding_time_constant_s = 900;
+  VINV_ARCHIVE(ThermalSettings, heat_sink_k_per_w, heat_sink_time_constant_s, winding_rise_k_at_rated,
+               winding_time_constant_s);
 };
 
 struct Comparators {
@@ -77,11 +86,13 @@ struct Comparators {
   double over_voltage_v = 0;              // 0: off
   double under_voltage_v = 0;             // 0: off; armed once the link has been above under_voltage_clear_v
   double under_voltage_clear_v = 0;
+  VINV_ARCHIVE(Comparators, over_current_a_peak, over_voltage_v, under_voltage_v, under_voltage_clear_v);
 };
 
 struct LoadPoint {
   double time_s = 0;
   double torque_nm = 0;
+  VINV_ARCHIVE(LoadPoint, time_s, torque_nm);
 };
 
 // Torque of the driven machine at the motor shaft. Sum of the terms. Constant and table torque are dry: at standstill
@@ -93,12 +104,14 @@ struct LoadSettings {
   double quadratic_nm_s2 = 0;             // * omega_mech * |omega_mech|
   double hoist_nm = 0;                    // gravity: acts in the reverse direction, whatever the rotation
   std::vector<LoadPoint> table;           // additional opposing torque over time since start, linear between points, held at the end
+  VINV_ARCHIVE(LoadSettings, inertia_kg_m2, constant_nm, linear_nm_s, quadratic_nm_s2, hoist_nm, table);
 };
 Result<void, std::string> validate(const LoadSettings& load);
 
 struct MainsState {
   double voltage_v_rms = 400;             // line to line, now
   std::array<bool, 3> phase_present{true, true, true};
+  VINV_ARCHIVE(MainsState, voltage_v_rms, phase_present);
 };
 
 struct PlantConfig {
@@ -124,14 +137,17 @@ struct StageInput {
   double chopper_on_v = 0;
   double chopper_off_v = 0;
   friend bool operator==(const StageInput&, const StageInput&) = default;
+  VINV_ARCHIVE(StageInput, gates_on, frequency_hz, voltage_peak_v, chopper_enabled, chopper_on_v, chopper_off_v);
 };
 
 enum class PlantEventKind : std::uint8_t { kOverCurrent, kOverVoltage, kUnderVoltage };
+VINV_ENUM_RANGE(PlantEventKind, kOverCurrent, kUnderVoltage);
 
 struct PlantEvent {
   PlantEventKind kind{};
   Duration after{};                       // since the start of this advance()
   double value = 0;                       // A peak or V at the instant
+  VINV_ARCHIVE(PlantEvent, kind, after, value);
 };
 
 struct PlantMeasurements {
@@ -153,6 +169,9 @@ struct PlantMeasurements {
   bool chopper_on = false;
   bool precharge_bypassed = false;
   double dc_link_ripple_v = 0;            // peak to peak, estimate from the link current; the simulated link is averaged
+  VINV_ARCHIVE(PlantMeasurements, output_current_a_rms, current_peak_a, active_current_a_rms, output_voltage_v_rms,
+               dc_link_v, speed_rpm, torque_nm, load_torque_nm, shaft_power_w, input_power_w, output_power_w,
+               brake_power_w, heat_sink_c, winding_c, gates_on, chopper_on, precharge_bypassed, dc_link_ripple_v);
 };
 
 // Energy counters since construction, for power balances: joules.
@@ -167,6 +186,8 @@ struct EnergyCounters {
   double brake_j = 0;
   double friction_j = 0;
   double load_j = 0;                      // to the driven machine, without inertia
+  VINV_ARCHIVE(EnergyCounters, from_mains_j, stator_copper_j, rotor_copper_j, iron_j, inverter_j, standby_j,
+               source_resistance_j, brake_j, friction_j, load_j);
 };
 
 enum class SolverChoice : std::uint8_t {
@@ -174,11 +195,13 @@ enum class SolverChoice : std::uint8_t {
   kCvodeBdf,   // for a stiff rectifier: source resistance * capacitance below about 0.15 ms
   kRk4,        // fixed step; baseline and independent check, for benchmarks and tests
 };
+VINV_ENUM_RANGE(SolverChoice, kErk, kRk4);
 
 struct SolverSettings {
   SolverChoice choice = SolverChoice::kErk;
   double relative_tolerance = 1e-5;
   double fixed_step_s = 250e-6;           // kRk4 only
+  VINV_ARCHIVE(SolverSettings, choice, relative_tolerance, fixed_step_s);
 };
 
 // The integrator gave up twice at the same place: numerics, never a drive trip. The scenario fails.
@@ -217,6 +240,7 @@ class PowerPlant {
   struct Events {
     std::array<PlantEvent, kMaxEvents> items{};
     std::size_t count = 0;
+    friend void archive(Archive& a, Events& events);
   };
   Events advance(Duration dt);
 
@@ -229,16 +253,13 @@ class PowerPlant {
   Duration time() const;                  // integrated so far
   double stored_energy_j() const;         // in the fields, the moving mass and the link capacitor
 
-  // Everything that the future depends on. Restoring it on a plant of the same config continues the run; solvers save
-  // no history, so a run is reproduced exactly only when both runs restart their solver at that instant.
-  struct State {
-    std::vector<double> y;
-    std::vector<double> aux;              // energy, latches, held inputs
-  };
-  State save() const;
-  void restore(const State& state);
-
-  // Starts the solver anew at the next advance(), as restore() does: for a grid on which snapshots may be taken.
+  // Saves or loads everything that the future depends on, and the last measurements. A plant of another config or
+  // solver refuses. Solvers save no history: after a load the solver starts anew at the next advance(), so a run is
+  // reproduced exactly only if the saved plant does that there, too, which starts_anew() tells. What counts work
+  // (rhs_calls, reinitialisations) goes on.
+  friend void archive(Archive& a, PowerPlant& plant) { plant.archive_state(a); }
+  bool starts_anew() const;
+  // Starts the solver anew at the next advance(): for a grid on which snapshots may be taken.
   void restart_solver();
 
   // Right-hand-side evaluations and solver re-initialisations since construction, for benchmarks.
@@ -246,6 +267,8 @@ class PowerPlant {
   std::uint64_t reinitialisations() const;
 
  private:
+  void archive_state(Archive& a);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,130 +1,86 @@
-// Snapshots: the solver's states, and everything else the future depends on as a list of numbers.
+// Snapshots of the plant: states and held inputs; everything else is computed from them as it was at first.
 #include <algorithm>
-#include <cstdint>
+#include <cmath>
 
 #include "motor_model/plant/plant_impl.hpp"
-#include "sim/base/check.hpp"
 
 namespace vinv::plant {
 
 namespace {
 
-// One pass over all held values, in either direction.
-class Writer {
- public:
-  explicit Writer(std::vector<double>& out) : out_(out) {}
-  void value(const double& x) { out_.push_back(x); }
-  void value(const bool& x) { out_.push_back(x ? 1 : 0); }
-  // A double holds 53 bits: in two halves every nanosecond survives.
-  void value(const Duration& d) {
-    out_.push_back(static_cast<double>(d.count() >> 32));
-    out_.push_back(static_cast<double>(d.count() & 0xffffffff));
-  }
-  void value(const ShaftMode& m) { out_.push_back(static_cast<double>(m)); }
-  void table(const std::vector<LoadPoint>& points) {
-    out_.push_back(static_cast<double>(points.size()));
-    for (const auto& p : points) {
-      out_.push_back(p.time_s);
-      out_.push_back(p.torque_nm);
-    }
-  }
+constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 100);
 
- private:
-  std::vector<double>& out_;
-};
+bool finite(const std::array<double, state::kStates>& y) {
+  return std::all_of(y.begin(), y.end(), [](double x) { return std::isfinite(x); });
+}
 
-class Reader {
- public:
-  explicit Reader(const std::vector<double>& in) : in_(in) {}
-  void value(double& x) { x = next(); }
-  void value(bool& x) { x = next() != 0; }
-  void value(Duration& d) {
-    const auto high = static_cast<std::int64_t>(next());
-    d = Duration{high * (std::int64_t{1} << 32) + static_cast<std::int64_t>(next())};
-  }
-  void value(ShaftMode& m) { m = static_cast<ShaftMode>(next()); }
-  void table(std::vector<LoadPoint>& points) {
-    points.resize(static_cast<std::size_t>(next()));
-    for (auto& p : points) {
-      p.time_s = next();
-      p.torque_nm = next();
-    }
-  }
-  bool at_end() const { return at_ == in_.size(); }
-
- private:
-  double next() {
-    VINV_CHECK(at_ < in_.size());
-    return in_[at_++];
-  }
-  const std::vector<double>& in_;
-  std::size_t at_ = 0;
-};
-
-template <class Pass, class Impl>
-void visit(Pass& pass, Impl& p) {
-  pass.value(p.time);
-  pass.value(p.stage.gates_on);
-  pass.value(p.stage.frequency_hz);
-  pass.value(p.stage.voltage_peak_v);
-  pass.value(p.stage.chopper_enabled);
-  pass.value(p.stage.chopper_on_v);
-  pass.value(p.stage.chopper_off_v);
-  pass.value(p.stage_jumps);
-  pass.value(p.model.omega_k);
-  pass.value(p.model.commanded_peak_v);
-  pass.value(p.config.mains.voltage_v_rms);
-  for (auto& phase : p.config.mains.phase_present) pass.value(phase);
-  pass.value(p.config.ambient_c);
-  pass.value(p.carrier_hz);
-  pass.value(p.cooling_factor);
-  pass.value(p.config.load.inertia_kg_m2);
-  pass.value(p.config.load.constant_nm);
-  pass.value(p.config.load.linear_nm_s);
-  pass.value(p.config.load.quadratic_nm_s2);
-  pass.value(p.config.load.hoist_nm);
-  pass.table(p.config.load.table);
-  pass.value(p.model.load.locked);
-  pass.value(p.model.load.mode);
-  pass.value(p.model.gates_on);
-  pass.value(p.switches.gates_commanded);
-  pass.value(p.switches.gates_latched);
-  pass.value(p.switches.over_voltage);
-  pass.value(p.switches.under_voltage_armed);
-  pass.value(p.switches.bypassed);
-  pass.value(p.switches.chopper_on);
+bool sensible(const LoadSettings& load) {
+  double sum = load.inertia_kg_m2 + load.constant_nm + load.linear_nm_s + load.quadratic_nm_s2 + load.hoist_nm;
+  for (const LoadPoint& point : load.table) sum += point.time_s + point.torque_nm;
+  return std::isfinite(sum) && load.inertia_kg_m2 >= 0;
 }
 
 }  // namespace
 
-PowerPlant::State PowerPlant::save() const {
-  State out;
-  out.y.assign(impl_->y(), impl_->y() + state::kStates);
-  Writer writer(out.aux);
-  visit(writer, *impl_);
-  return out;
+// Items beyond the count are left over from earlier ticks.
+void archive(Archive& a, PowerPlant::Events& events) {
+  events.count = a.count(events.count, PowerPlant::kMaxEvents);
+  for (std::size_t i = 0; i < events.items.size(); ++i) {
+    if (i < events.count) {
+      a.io(events.items[i]);
+    } else if (a.loads()) {
+      events.items[i] = {};
+    }
+  }
 }
 
-void PowerPlant::restore(const State& saved) {
-  Impl& p = *impl_;
-  VINV_CHECK(saved.y.size() == state::kStates);
-  std::copy(saved.y.begin(), saved.y.end(), p.y());
-  Reader reader(saved.aux);
-  visit(reader, p);
-  VINV_CHECK(reader.at_end());
+void PowerPlant::archive_state(Archive& a) {
+  Impl& impl = *impl_;
+  // All members are named, so that a new one is thought of here. Not archived: what the constructor makes (constants,
+  // solver), what take_held_inputs() derives from the rest, what an advance() sets before it uses it (advance_start,
+  // events), the solver's time, which starts at zero, and counts of work.
+  VINV_MEMBERS(impl, config, stage, carrier_hz, cooling_factor, stage_jumps, model, levels, switches, solver, constants,
+               time, base, t, anew, table_end, way_end, advance_start, events, measurements, energy, reinitialisations);
+  VINV_MEMBERS(config, motor, load, losses, dc_link, thermal_settings, comparators, mains, nominal_mains_v_rms,
+               ambient_c);
+  VINV_MEMBERS(model, machine, load_model, link, rectifier, thermal, gates_on, chopper_on, omega_k, commanded_peak_v,
+               omega_k_slope, commanded_peak_slope, t_input, inverter_loss_fraction, iron_w_per_wb2,
+               over_current_squared, link_above_v, link_below_v);
+  VINV_MEMBERS(load_model, inverse_inertia, inertia, viscous_nm_s, coulomb_nm, constant_nm, linear_nm_s,
+               quadratic_nm_s2, hoist_nm, table_nm, table_nm_per_s, table_t_ref, shaft_mode, shaft_locked);
 
-  p.base = p.time;
-  p.t = 0;
-  plant::set_load(p.model.load, p.config.load, p.config.losses, p.config.machine.inertia_kg_m2);
-  p.enter_table_segment();
-  p.model.thermal.ambient_c = p.config.ambient_c;
-  p.take_inverter_loss();
-  p.take_stage_levels();
-  p.end_stage_way();
-  p.refresh_rectifier();
-  p.model.chopper_on = p.switches.chopper_on;
-  p.anew = true;
-  p.measure();
+  a.must_match("motor", motor.name);
+  a.must_match("motor, power circuit or solver", constants);
+  std::array<double, state::kStates> y{};
+  std::copy_n(impl.y(), y.size(), y.begin());
+  VINV_FIELDS(a, PowerPlant, y, time, stage, stage_jumps, omega_k, commanded_peak_v, gates_on, switches, carrier_hz,
+              cooling_factor, mains, ambient_c, load, shaft_locked, shaft_mode, measurements, energy);
+  if (!a.loads()) return;
+  a.require(finite(y), "a state of the plant is not a number");
+  a.require(sensible(load), "the load is not a number");
+  a.require(time >= Duration{} && time < kLongestRun, "the time is out of range");
+  a.require(std::isfinite(carrier_hz + cooling_factor + mains.voltage_v_rms + ambient_c + omega_k + commanded_peak_v +
+                          stage.frequency_hz + stage.voltage_peak_v) &&
+                carrier_hz > 0 && cooling_factor >= 1,
+            "an input of the plant is out of range");
+  if (a.failed()) return;
+  std::copy(y.begin(), y.end(), impl.y());
+  impl.take_held_inputs();
+}
+
+void PowerPlant::Impl::take_held_inputs() {
+  base = time;
+  t = 0;
+  plant::set_load(model.load, config.load, config.losses, config.machine.inertia_kg_m2);
+  enter_table_segment();
+  model.thermal.ambient_c = config.ambient_c;
+  take_inverter_loss();
+  take_stage_levels();
+  end_stage_way();
+  model.t_input = 0;
+  refresh_rectifier();
+  model.chopper_on = switches.chopper_on;
+  anew = true;
 }
 
 }  // namespace vinv::plant

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "motor_model/plant/power_plant.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::plant {
 
@@ -28,6 +29,7 @@ struct Switches {
   bool chopper_on = false;
 
   bool gates_on() const { return gates_commanded && !gates_latched; }
+  VINV_ARCHIVE(Switches, gates_commanded, gates_latched, over_voltage, under_voltage_armed, bypassed, chopper_on);
 };
 
 // The edges of the band in which nothing acts: strictly inside, no switch moves.

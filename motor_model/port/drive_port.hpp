@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
 
@@ -29,8 +30,10 @@ enum class Refusal : std::uint8_t {
   kFaulted,         // not possible while an alarm is present
   kNotFaulted,      // reset refused because no alarm is present, where the family says so
 };
+VINV_ENUM_RANGE(Refusal, kNoSuchItem, kNotFaulted);
 
 enum class OperationMode : std::uint8_t { kExternal, kPu, kNetwork, kCombined1, kCombined2 };
+VINV_ENUM_RANGE(OperationMode, kExternal, kCombined2);
 
 // Parameters by the family's own numbering. sub: 0 for a one-word parameter, 1 and 2 for the frequency and analog
 // half of a calibration parameter (Pr.902-905).
@@ -38,6 +41,7 @@ struct ParameterId {
   std::uint16_t number = 0;
   std::uint8_t sub = 0;
   friend constexpr bool operator==(ParameterId, ParameterId) = default;
+  VINV_ARCHIVE(ParameterId, number, sub);
 };
 
 // Virtual control terminals that a network master may drive. They stand for terminals, not functions: the function
@@ -63,6 +67,7 @@ struct NetTerminals {
     bits = static_cast<std::uint16_t>(on ? bits | mask : bits & ~mask);
   }
   friend constexpr bool operator==(NetTerminals, NetTerminals) = default;
+  VINV_ARCHIVE(NetTerminals, bits);
 };
 
 struct Status {
@@ -75,6 +80,8 @@ struct Status {
   bool frequency_detected = false; // FU
   bool alarm = false;
   bool ready = false;              // RY: could run
+  VINV_ARCHIVE(Status, running, forward, reverse, up_to_frequency, overload, power_failure, frequency_detected, alarm,
+               ready);
 };
 
 // Newest first; 0 where fewer alarms are stored. Data codes of the family (E500: 10H E.OC1 ... A3H E.OP3).
@@ -91,10 +98,12 @@ struct WriteRequest {
     kResetInverter,
     kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear
   };
+  friend VINV_ENUM_RANGE(Kind, kOperationMode, kRestoreDefaults);
   Kind kind = Kind::kCommand;
   ParameterId parameter{};
   std::uint32_t value = 0;
   NetTerminals terminals{};
+  VINV_ARCHIVE(WriteRequest, kind, parameter, value, terminals);
 };
 
 using WriteOutcome = Result<void, Refusal>;

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv {
 
 class Random {
@@ -22,6 +24,7 @@ class Random {
 
  private:
   std::uint64_t state_;
+  VINV_ARCHIVE(Random, state_);
 };
 
 }  // namespace vinv

@@ -25,6 +25,12 @@ struct Slot {
   bool ended = false;
 };
 
+constexpr std::uint64_t order(Priority priority, std::uint64_t sequence) {
+  return static_cast<std::uint64_t>(priority) << kSequenceBits | sequence;
+}
+constexpr Priority priority_of(std::uint64_t order) { return static_cast<Priority>(order >> kSequenceBits); }
+constexpr std::uint64_t sequence_of(std::uint64_t order) { return order & ((std::uint64_t{1} << kSequenceBits) - 1); }
+
 struct Entry {
   Instant at;
   std::uint64_t order;  // priority, then sequence
@@ -42,7 +48,8 @@ struct Scheduler::Impl {
   // Chunks, so that a slot stays where it is while its action runs and schedules more.
   std::vector<std::unique_ptr<std::array<Slot, kChunk>>> chunks;
   std::vector<std::uint32_t> free_slots;
-  std::uint64_t next_sequence = 0;
+  // Counted per priority: observers, who come and go, shift no one else's numbers.
+  std::array<std::uint64_t, kPriorities> next_sequence{};
   std::uint64_t events_run = 0;
   Instant now{};
   bool in_action = false;
@@ -50,7 +57,7 @@ struct Scheduler::Impl {
   Slot& slot(std::uint32_t index) { return (*chunks[index / kChunk])[index % kChunk]; }
 
   std::uint64_t next_order(Priority priority) {
-    return static_cast<std::uint64_t>(priority) << kSequenceBits | next_sequence++;
+    return order(priority, next_sequence[static_cast<std::size_t>(priority)]++);
   }
 
   std::uint32_t take_slot() {
@@ -128,15 +135,24 @@ struct Scheduler::Impl {
     }
   }
 
-  EventId add(Instant at, Duration period, Priority priority, Action&& action) {
+  EventId add(Instant at, Duration period, std::uint64_t place_in_order, Action&& action) {
     VINV_CHECK(at >= now);
     VINV_CHECK(action != nullptr);
     const std::uint32_t index = take_slot();
     Slot& s = slot(index);
     s.action = std::move(action);
     s.period = period;
-    push({at, next_order(priority), index});
+    push({at, place_in_order, index});
     return s.generation << kSlotBits | index;
+  }
+
+  // Place in the heap of an event that waits.
+  std::optional<std::uint32_t> find(EventId id) {
+    const auto index = static_cast<std::uint32_t>(id & kSlotMask);
+    if (index >= place.size() || slot(index).generation != id >> kSlotBits || place[index] == kNowhere) {
+      return std::nullopt;
+    }
+    return place[index];
   }
 };
 
@@ -160,20 +176,20 @@ Scheduler::Scheduler() : impl_(std::make_unique<Impl>()) {}
 Scheduler::~Scheduler() = default;
 
 EventId Scheduler::schedule(Instant at, Priority priority, Action action) {
-  return impl_->add(at, Duration{}, priority, std::move(action));
+  return impl_->add(at, Duration{}, impl_->next_order(priority), std::move(action));
 }
 
 EventId Scheduler::schedule_every(Instant first, Duration period, Priority priority, Action action) {
   VINV_CHECK(period > Duration{});
-  return impl_->add(first, period, priority, std::move(action));
+  return impl_->add(first, period, impl_->next_order(priority), std::move(action));
 }
 
 bool Scheduler::cancel(EventId id) {
+  const auto place = impl_->find(id);
+  if (!place) return false;
   const auto index = static_cast<std::uint32_t>(id & kSlotMask);
-  if (index >= impl_->place.size()) return false;
   Slot& s = impl_->slot(index);
-  if (s.generation != id >> kSlotBits || impl_->place[index] == kNowhere) return false;
-  impl_->remove(impl_->place[index]);
+  impl_->remove(*place);
   if (s.running) {
     s.ended = true;  // its own action does this: the slot is freed after the action
   } else {
@@ -203,7 +219,7 @@ bool Scheduler::run_next(Instant until) {
     action(e.at);
     return true;
   }
-  impl.heap.front() = {e.at + s.period, impl.next_order(static_cast<Priority>(e.order >> kSequenceBits)), e.slot};
+  impl.heap.front() = {e.at + s.period, impl.next_order(priority_of(e.order)), e.slot};
   impl.sift_down(0);
   struct Release {
     Impl& impl;
@@ -229,5 +245,65 @@ void Scheduler::run_until(Instant until) {
 Instant Scheduler::now() const { return impl_->now; }
 std::uint64_t Scheduler::events_run() const { return impl_->events_run; }
 std::size_t Scheduler::waiting() const { return impl_->heap.size(); }
+
+// --- snapshots ---
+
+std::optional<EventPlace> Scheduler::place_of(EventId id) const {
+  const auto place = impl_->find(id);
+  if (!place) return std::nullopt;
+  const Entry& e = impl_->heap[*place];
+  return EventPlace{e.at, impl_->slot(e.slot).period, priority_of(e.order), sequence_of(e.order)};
+}
+
+void Scheduler::archive_clock(Archive& a) {
+  Impl& impl = *impl_;
+  Instant now = impl.now;
+  auto sequences = impl.next_sequence;
+  sequences.back() = 0;  // observers
+  VINV_FIELDS(a, Scheduler, now, sequences);
+  for (const std::uint64_t n : sequences) a.require(sequence_of(n) == n, "an event number is too large");
+  if (!a.loads() || a.failed()) return;
+  VINV_CHECK(!impl.in_action);
+  while (!impl.heap.empty()) {
+    const std::uint32_t index = impl.heap.back().slot;
+    impl.remove(impl.heap.size() - 1);
+    impl.free_slot(index);
+  }
+  sequences.back() = impl.next_sequence.back();
+  impl.next_sequence = sequences;
+  impl.now = now;
+}
+
+void Scheduler::archive_event(Archive& a, EventId& id, Action action) {
+  std::optional<EventPlace> place = place_of(id);
+  a.io(place);
+  if (!a.loads() || a.failed()) return;
+  id = 0;
+  if (!place) return;
+  a.require(place->at >= impl_->now && place->period >= Duration{}, "an event lies in the past");
+  a.require(place->sequence < impl_->next_sequence[static_cast<std::size_t>(place->priority)],
+            "an event has a number that was not given");
+  if (a.failed()) return;
+  id = impl_->add(place->at, place->period, order(place->priority, place->sequence), std::move(action));
+}
+
+void Scheduler::archive_waiting(Archive& a) {
+  std::uint64_t count = 0;
+  std::uint64_t sum = 0;  // of a hash per event: the heap's own order does not matter
+  for (const Entry& e : impl_->heap) {
+    if (priority_of(e.order) == Priority::kObserver) continue;
+    ++count;
+    std::array<std::int64_t, 3> words{to_ns(e.at), static_cast<std::int64_t>(e.order),
+                                      impl_->slot(e.slot).period.count()};
+    sum += snapshot_checksum({reinterpret_cast<const std::uint8_t*>(words.data()), sizeof words});
+  }
+  std::uint64_t saved_count = count;
+  std::uint64_t saved_sum = sum;
+  VINV_FIELDS(a, WaitingEvents, saved_count, saved_sum);
+  if (!a.loads() || (saved_count == count && saved_sum == sum)) return;
+  a.fail("the snapshot does not fit this plant: " + std::to_string(saved_count) +
+         " events were waiting when it was saved, " + std::to_string(count) + " of them wait after the load" +
+         (saved_count == count ? ", but at other times" : ""));
+}
 
 }  // namespace vinv::kernel

@@ -11,14 +11,27 @@
 #include <memory>
 #include <optional>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::kernel {
 
 // At one instant: what people and scenarios do, then what arrives on wires and what boards owe, then the drives.
 enum class Priority : std::uint8_t { kStimulus = 0, kWire = 1, kBoard = 2, kDrive = 3, kObserver = 4 };
+VINV_ENUM_RANGE(Priority, kStimulus, kObserver);
+inline constexpr std::size_t kPriorities = 5;
 
 using EventId = std::uint64_t;  // never 0, never reused
+
+// Where a waiting event stands: what its owner needs to arm it again in another process at the same place in the order.
+struct EventPlace {
+  Instant at{};
+  Duration period{};  // zero: runs once
+  Priority priority = Priority::kStimulus;
+  std::uint64_t sequence = 0;  // among the events of its priority
+  friend bool operator==(const EventPlace&, const EventPlace&) = default;
+  VINV_ARCHIVE(EventPlace, at, period, priority, sequence);
+};
 
 class Scheduler {
  public:
@@ -52,7 +65,23 @@ class Scheduler {
   // Events waiting now.
   std::size_t waiting() const;
 
+  // --- snapshots (docs/decisions/0005-snapshots.md) ---
+  //
+  // Actions are closures, which no snapshot holds. So the scheduler archives its clock and counters and, when loading,
+  // drops all that waits; each owner then archives its events, which arms them anew at the place in the order that they
+  // had; and in the end the queue is compared, so that no event is forgotten. Observers are not part of the state:
+  // their events are dropped by a load, too, but neither saved nor compared, and no one else's order depends on them.
+  // What counts work (events_run) goes on. A load is not for within an action.
+  friend void archive(Archive& a, Scheduler& scheduler) { scheduler.archive_clock(a); }
+  // The event id, or nothing if it is 0 or has run. Loading sets id; action is what the event does.
+  void archive_event(Archive& a, EventId& id, Action action);
+  // After all owners. A load is refused if other events wait than when the snapshot was saved.
+  void archive_waiting(Archive& a);
+  // Empty if the event has run or is unknown. A periodic event's place is its next one, within its action too.
+  std::optional<EventPlace> place_of(EventId id) const;
+
  private:
+  void archive_clock(Archive& a);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

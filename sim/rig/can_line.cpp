@@ -91,7 +91,7 @@ void CanLine::set_fault(const transports::CanFaultRule& rule) {
     return r.fault == rule.fault && r.node == rule.node && r.id == rule.id && r.mask == rule.mask;
   });
   if (rule.probability > 0) faults_.push_back(rule);
-  bus_.set_faults({.seed = 1, .rules = faults_});
+  bus_.set_faults({.seed = seed_, .rules = faults_});
 }
 
 void CanLine::clear_faults() {

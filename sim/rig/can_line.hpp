@@ -41,6 +41,8 @@ class CanLine {
 
   // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
   // one that never acts (probability 0) only removes that.
+  // Of the chance by which later faults strike; 1 until set.
+  void set_seed(std::uint64_t seed) { seed_ = seed; }
   void set_fault(const transports::CanFaultRule& rule);
   void clear_faults();
   const std::vector<transports::CanFaultRule>& faults() const { return faults_; }
@@ -69,6 +71,7 @@ class CanLine {
   transports::CanBus bus_;
   std::vector<std::unique_ptr<Controller>> controllers_;
   std::unique_ptr<transports::CanBridge> bridge_;
+  std::uint64_t seed_ = 1;
   std::vector<transports::CanFaultRule> faults_;
 };
 

@@ -14,7 +14,10 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
       lines_(file_.serial.size()),
       drives_on_line_(file_.serial.size()) {
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
-  for (const CanNetwork& net : file_.can) buses_.push_back(std::make_unique<CanLine>(scheduler_, net));
+  for (const CanNetwork& net : file_.can) {
+    buses_.push_back(std::make_unique<CanLine>(scheduler_, net));
+    buses_.back()->set_seed(options.seed + buses_.size() - 1);
+  }
   for (const DriveSpec& spec : file_.drives) {
     drives_.push_back(build(spec, options));
     if (drives_.back()->board) wire(*drives_.back());

@@ -30,6 +30,8 @@ struct PlantOptions {
   std::function<void(const std::string& drive, const std::string& reason)> damaged_eeprom;
   // Time now. Default: the scheduler's; an event loop knows it better between two events.
   std::function<Instant()> clock;
+  // Of everything random: faults on wires.
+  std::uint64_t seed = 1;
 };
 
 class Plant {

@@ -333,6 +333,7 @@ RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue,
     kernel::Scheduler scheduler;
     rig::PlantOptions plant_options;
     plant_options.catalogue = catalogue;
+    plant_options.seed = failed.seed;
     rig::Plant plant(scenario.plant, scheduler, std::move(plant_options));
     Runner runner(scenario, plant, options);
     kernel::VirtualClock clock(scheduler);

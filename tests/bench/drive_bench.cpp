@@ -3,6 +3,8 @@
 // the same with the plant on fixed-step RK4 at 250 us.
 //
 //   vinverter_bench --benchmark_filter=Drive
+//
+// And what a fork costs: saving a running drive, and a new drive that loads it.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -20,12 +22,11 @@ constexpr int kTicks = 60'000;
 class Drive {
  public:
   explicit Drive(plant::SolverChoice solver) {
-    InverterConfig config;
-    config.model = "FR-E540-2.2K";
-    config.motor = *plant::find_machine("motulator_2k2");
-    config.load.inertia_kg_m2 = 0.015;
-    config.solver.choice = solver;
-    auto made = make_inverter("fr-e500", config);
+    config_.model = "FR-E540-2.2K";
+    config_.motor = *plant::find_machine("motulator_2k2");
+    config_.load.inertia_kg_m2 = 0.015;
+    config_.solver.choice = solver;
+    auto made = make_inverter("fr-e500", config_);
     VINV_CHECK(made.has_value());
     inverter_ = std::move(*made);
     VINV_CHECK(inverter_->preset_parameter("Pr.8", 10).has_value());
@@ -47,6 +48,8 @@ class Drive {
   }
 
   const Inverter& inverter() const { return *inverter_; }
+  Inverter& inverter() { return *inverter_; }
+  const InverterConfig& config() const { return config_; }
 
  private:
   void step() {
@@ -60,6 +63,7 @@ class Drive {
   }
 
   Instant now_{};
+  InverterConfig config_;
   std::unique_ptr<Inverter> inverter_;
 };
 
@@ -96,6 +100,27 @@ void DriveRk4At250us(benchmark::State& b) { run_60_s(b, plant::SolverChoice::kRk
 
 BENCHMARK(DriveErk)->Arg(1)->Arg(16)->Arg(64)->Arg(256)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(DriveRk4At250us)->Arg(1)->Arg(16)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+void DriveSave(benchmark::State& bench) {
+  Drive drive(plant::SolverChoice::kErk);
+  for (int tick = 0; tick < 5000; ++tick) drive.step(tick);
+  Bytes bytes;
+  for (auto _ : bench) save_snapshot(drive.inverter(), bytes);
+  bench.counters["bytes"] = static_cast<double>(bytes.size());
+}
+
+void DriveFork(benchmark::State& bench) {
+  Drive drive(plant::SolverChoice::kErk);
+  for (int tick = 0; tick < 5000; ++tick) drive.step(tick);
+  const Bytes bytes = save_snapshot(drive.inverter());
+  for (auto _ : bench) {
+    auto fork = make_inverter("fr-e500", drive.config());
+    VINV_CHECK(fork && (*fork)->load(bytes));
+  }
+}
+
+BENCHMARK(DriveSave);
+BENCHMARK(DriveFork);
 
 }  // namespace
 }  // namespace vinv::inverter

@@ -5,11 +5,13 @@
 #include <cstdint>
 
 #include "motor_model/plant/power_plant.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::inverter::e500 {
 
 // What Pr.96 reads.
 enum class TuningStatus : std::uint8_t { kOff = 0, kArmed = 1, kRunning = 2, kDone = 3, kStopped = 8, kAlarm = 9 };
+VINV_ENUM_RANGE(TuningStatus, kOff, kAlarm);
 
 class AutoTuning {
  public:
@@ -30,6 +32,7 @@ class AutoTuning {
   double sum_voltage_ = 0;
   double sum_current_ = 0;
   double resistance_ohm_ = 0;
+  VINV_ARCHIVE(AutoTuning, running_, elapsed_s_, voltage_peak_v_, sum_voltage_, sum_current_, resistance_ohm_);
 };
 
 }  // namespace vinv::inverter::e500

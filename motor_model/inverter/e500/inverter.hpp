@@ -71,7 +71,11 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   bool take_eeprom_changed() override;
   Outcome load_eeprom(std::string_view text) override;
 
+  bool on_snapshot_grid() const override { return plant_.starts_anew(); }
+
  private:
+  void archive_state(Archive& a) override;  // inverter_snapshot.cpp
+
   // --- port::DrivePort (inverter_port.cpp) ---
   bool ready() const override;
   port::OperationMode operation_mode() const override { return v_.mode; }
@@ -149,6 +153,7 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   bool option_fitted_;
   double nominal_mains_v_rms_;
   bool brake_resistor_;
+  Duration snapshot_grid_;
 
   // state
   Instant now_{};

@@ -98,6 +98,7 @@ E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model, 
       option_fitted_(config.option_fitted),
       nominal_mains_v_rms_(nominal_mains(config, model)),
       brake_resistor_(config.brake_resistance_ohm > 0),
+      snapshot_grid_(config.snapshot_grid),
       mains_(config.mains.value_or(plant::MainsState{.voltage_v_rms = model.voltage_class_v})),
       store_(std::move(store)),
       plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {}
@@ -261,6 +262,9 @@ Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& c
       !(config.mains->voltage_v_rms >= 0 && config.mains->voltage_v_rms <= 1.5 * model->voltage_class_v)) {
     return Unexpected("mains: a " + model->model + " takes 0 to " +
                       std::to_string(static_cast<int>(1.5 * model->voltage_class_v)) + " V");
+  }
+  if (config.snapshot_grid < Duration{} || config.snapshot_grid % Inverter::kControlPeriod != Duration{}) {
+    return Unexpected(std::string("snapshot grid: must be a multiple of 1 ms, or 0"));
   }
   ParameterStore store(data.parameters, *model);
   for (const auto& [name, value] : config.factory_values) {

@@ -43,6 +43,7 @@ void E500Inverter::tick(Instant now) {
   plant_.set_cooling(v_.published.fan ? 1 : kResistanceInStillAir);
   events_ = plant_.advance(kControlPeriod);
   publish();
+  if (snapshot_grid_ > Duration{} && now.time_since_epoch() % snapshot_grid_ == Duration{}) plant_.restart_solver();
 }
 
 void E500Inverter::follow_supply() {

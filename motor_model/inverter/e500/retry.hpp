@@ -3,12 +3,14 @@
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::inverter::e500 {
 
 struct Retry {
   enum class Phase : std::uint8_t { kIdle, kWaiting, kWatching } phase = Phase::kIdle;
+  friend VINV_ENUM_RANGE(Phase, kIdle, kWatching);
   int used = 0;   // in this sequence
   Instant due{};  // end of waiting, or when the retry counts as successful
 
@@ -16,6 +18,7 @@ struct Retry {
   static int limit(int raw_pr67) { return raw_pr67 > 100 ? raw_pr67 - 100 : raw_pr67; }
   static bool alarm_output(int raw_pr67) { return raw_pr67 > 100; }
   static constexpr int kSuccessAfterWaits = 5;  // trouble-free for this many waiting times
+  VINV_ARCHIVE(Retry, phase, used, due);
 };
 
 }  // namespace vinv::inverter::e500

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "motor_model/drive/drive_core.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::inverter::e500 {
 
@@ -30,6 +31,7 @@ class StartLatch {
   bool last_str_ = false;
   bool held_stf_ = false;
   bool held_str_ = false;
+  VINV_ARCHIVE(StartLatch, last_stf_, last_str_, held_stf_, held_str_);
 };
 
 // Pr.78: 1 forbids reverse, 2 forbids forward.

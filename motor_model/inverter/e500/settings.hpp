@@ -5,6 +5,7 @@
 
 #include "motor_model/drive/drive_core.hpp"
 #include "motor_model/inverter/parameter_store.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::inverter::e500 {
 
@@ -13,6 +14,7 @@ struct SettingsSelection {
   bool jog = false;
   bool vf_by_x18 = false;  // signal X18: V/f control instead of flux vector control
   friend bool operator==(const SettingsSelection&, const SettingsSelection&) = default;
+  VINV_ARCHIVE(SettingsSelection, second, jog, vf_by_x18);
 };
 
 struct SettingsSurroundings {

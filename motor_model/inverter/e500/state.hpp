@@ -17,6 +17,7 @@
 #include "motor_model/inverter/mailbox.hpp"
 #include "motor_model/inverter/signal_map.hpp"
 #include "motor_model/port/drive_port.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::inverter::e500 {
@@ -28,6 +29,7 @@ struct Wiring {
   std::array<bool, kTerminalCount> closed{};
   double terminal_2_v = 0;
   double terminal_4_ma = 0;
+  VINV_ARCHIVE(Wiring, closed, terminal_2_v, terminal_4_ma);
 };
 
 // Causes that stay until they are taken away.
@@ -40,9 +42,12 @@ struct Causes {
   bool external_thermal = false;  // the thermal relay has opened
   bool pu_disconnected = false;
   bool eeprom_damaged = false;  // contents refused at the start; until the next power cycle
+  VINV_ARCHIVE(Causes, earth_fault, output_phase_open, brake_transistor, eeprom_write, option, external_thermal,
+               pu_disconnected, eeprom_damaged);
 };
 
 enum class Screen : std::uint8_t { kMonitor, kFrequency, kJog };
+VINV_ENUM_RANGE(Screen, kMonitor, kJog);
 
 struct Panel {
   drive::RunDirection run = drive::RunDirection::kStop;  // FWD and REV keys
@@ -51,6 +56,7 @@ struct Panel {
   Screen screen = Screen::kMonitor;
   int monitor = 0;       // 0 first display (Pr.52), 1 current, 2 voltage
   double edited_hz = 0;  // on the frequency screen, before SET
+  VINV_ARCHIVE(Panel, run, jog_run, stopped_by_panel, screen, monitor, edited_hz);
 };
 
 struct Network {
@@ -59,11 +65,13 @@ struct Network {
   std::optional<std::uint8_t> converter;  // D/A value, once written
   bool communication_lost = false;
   bool option_failed = false;
+  VINV_ARCHIVE(Network, command, frequency_hz, converter, communication_lost, option_failed);
 };
 
 struct ActiveAlarm {
   std::optional<std::size_t> row;  // in the alarm table
   std::string cause;
+  VINV_ARCHIVE(ActiveAlarm, row, cause);
 };
 
 // What the option board and the panel read between two ticks.
@@ -76,6 +84,8 @@ struct Published {
   double set_frequency_hz = 0;
   double am_v = 0;
   bool fan = false;
+  VINV_ARCHIVE(Published, status, output_frequency, output_current, output_voltage, outputs, set_frequency_hz, am_v,
+               fan);
 };
 
 // Lost with the control supply.
@@ -104,6 +114,9 @@ struct Volatile {
   std::uint32_t storage_failures = 0;
   double operating_s = 0;  // not yet in the hour meter
   Published published;
+  VINV_ARCHIVE(Volatile, mode, ready_at, in_reset, mrs_inverted, panel, network, start_latch, input_2, input_4,
+               current_monitor, pid, remote, panel_frequency_hz, direction, tuned_until_stop, tuning, tuning_status,
+               retry, alarm, mailbox, any_start_signal, storage_failures, operating_s, published);
 };
 
 }  // namespace vinv::inverter::e500

@@ -36,12 +36,14 @@ void disturb(PowerPlant& plant, int tick) {
   if (tick == 1350) plant.set_cooling(2);
 }
 
-std::string bytes_of(const PowerPlant& plant) {
-  const auto state = plant.save();
-  std::string out(reinterpret_cast<const char*>(state.y.data()), state.y.size() * sizeof(double));
-  out.append(reinterpret_cast<const char*>(state.aux.data()), state.aux.size() * sizeof(double));
-  out.append(reinterpret_cast<const char*>(&plant.measurements().torque_nm), sizeof(double));
-  return out;
+std::string bytes_of(PowerPlant& plant) {
+  const Bytes bytes = save_snapshot(plant);
+  return {bytes.begin(), bytes.end()};
+}
+
+void restore(PowerPlant& plant, const Bytes& snapshot) {
+  const auto ok = load_snapshot(plant, snapshot);
+  ASSERT_TRUE(ok.has_value()) << ok.error();
 }
 
 class Reproducibility : public testing::TestWithParam<SolverChoice> {
@@ -81,7 +83,8 @@ TEST_P(Reproducibility, RestoredPlantContinuesIdentically) {
     }
     first.restart_solver();
     PowerPlant second = make();
-    second.restore(first.save());
+    EXPECT_TRUE(first.starts_anew());
+    restore(second, save_snapshot(first));
     EXPECT_TRUE(bytes_of(first) == bytes_of(second)) << at;
     for (int tick = at + 1; tick <= at + 400; ++tick) {
       for (auto* plant : {&first, &second}) {
@@ -104,7 +107,7 @@ TEST_P(Reproducibility, SnapshotBetweenInputAndAdvanceKeepsTheInput) {
     first.set_stage(vf(next_hz));
     first.restart_solver();
     PowerPlant second = make();
-    second.restore(first.save());
+    restore(second, save_snapshot(first));
     first.advance(1ms);
     second.advance(1ms);
     EXPECT_TRUE(bytes_of(first) == bytes_of(second)) << next_hz;
@@ -115,7 +118,7 @@ TEST_P(Reproducibility, RestoringDoesNotDependOnWhatThePlantDidBefore) {
   PowerPlant first = make();
   charge(first);
   ramp(first, 0, 20, 500ms);
-  const auto state = first.save();
+  const Bytes state = save_snapshot(first);
   PowerPlant second = make();
   charge(second);
   ramp(second, 0, -50, 2s);
@@ -123,10 +126,34 @@ TEST_P(Reproducibility, RestoringDoesNotDependOnWhatThePlantDidBefore) {
   second.set_mains({230, {true, true, false}});
   second.set_shaft_locked(true);
   second.advance(3ms);
-  first.restore(state);
-  second.restore(state);
+  restore(first, state);
+  restore(second, state);
   for (auto* plant : {&first, &second}) ramp(*plant, 20, 30, 300ms);
   EXPECT_TRUE(bytes_of(first) == bytes_of(second));
+}
+
+TEST_P(Reproducibility, AnotherCircuitMotorOrSolverRefusesTheSnapshot) {
+  PowerPlant first = make();
+  charge(first);
+  const Bytes state = save_snapshot(first);
+  SolverSettings settings;
+  settings.choice = GetParam();
+  for (const int other : {0, 1, 2, 3}) {
+    PlantConfig config = busy_config();
+    SolverSettings s = settings;
+    if (other == 0) config.machine = *find_machine("iec4p_1k5kW_400V");
+    if (other == 1) config.dc_link.capacitance_f *= 1.01;
+    if (other == 2) config.losses.coulomb_nm = 1;
+    if (other == 3) s.relative_tolerance = 1e-6;
+    PowerPlant plant(config, s);
+    const Bytes before = save_snapshot(plant);
+    const auto ok = load_snapshot(plant, state);
+    ASSERT_FALSE(ok.has_value()) << other;
+    EXPECT_NE(ok.error().find(other == 0 ? "of another motor: " : "of another motor, power circuit or solver"),
+              std::string::npos)
+        << ok.error();
+    EXPECT_EQ(save_snapshot(plant), before);
+  }
 }
 
 TEST_P(Reproducibility, TicksDoNotAllocate) {

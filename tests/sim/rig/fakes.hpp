@@ -125,6 +125,7 @@ class FakeInverter : public inverter::Inverter {
     parameters_["Pr.7"] = std::stod(std::string(text.substr(6)));
     return {};
   }
+  bool on_snapshot_grid() const override { return true; }
 
   double panel_hz = 0;
   double ambient_c = 25;
@@ -136,6 +137,11 @@ class FakeInverter : public inverter::Inverter {
   FakePort port_;
 
  private:
+  void archive_state(Archive& a) override {
+    a.must_match("inverter", config_.model);
+    VINV_FIELDS(a, FakeInverter, port_.mode, panel_hz, ambient_c, shaft_locked, analog, faults, mains_now, load_now,
+                plant_, parameters_, terminals_, powered_, changed_);
+  }
   static plant::PlantConfig plant_config(const inverter::InverterConfig& config) {
     plant::PlantConfig p;
     p.machine = config.motor;
