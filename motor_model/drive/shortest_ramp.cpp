@@ -26,6 +26,9 @@ RampTimes ShortestRamp::step(double dt_s, const DriveSettings& settings, const R
     release();
     return times;
   }
+  // What an acceleration has learnt is far too steep for the deceleration that follows at once.
+  if (motion != motion_) release();
+  motion_ = motion;
   double reference = up ? settings.shortest_current_acceleration_a_rms : settings.shortest_current_deceleration_a_rms;
   if (reference <= 0) {
     reference = kAim * (stall_level_a_rms > 0 ? stall_level_a_rms : 1.5 * settings.rated_current_a_rms);

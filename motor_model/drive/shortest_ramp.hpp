@@ -22,8 +22,9 @@ class ShortestRamp {
   static constexpr double kFirstRate_hz_s = 10;
   double rate_hz_s_ = kFirstRate_hz_s;
   double last_dc_link_v_ = 0;
+  Motion motion_ = Motion::kConstant;
   FirstOrderLag link_rise_v_s_;
-  VINV_ARCHIVE(ShortestRamp, rate_hz_s_, last_dc_link_v_, link_rise_v_s_);
+  VINV_ARCHIVE(ShortestRamp, rate_hz_s_, last_dc_link_v_, link_rise_v_s_, motion_);
 };
 
 }  // namespace vinv::drive

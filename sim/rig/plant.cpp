@@ -64,7 +64,7 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   config.model = spec.model.value;
   config.motor = spec.motor.value;
   config.load = spec.load.value;
-  plant::LossSettings losses = plant::typical_losses(config.motor);
+  plant::LossSettings losses = spec.ideal ? plant::LossSettings{} : plant::typical_losses(config.motor);
   losses.viscous_nm_s = spec.friction.viscous_nm_s.value_or(losses.viscous_nm_s);
   losses.coulomb_nm = spec.friction.coulomb_nm.value_or(losses.coulomb_nm);
   losses.iron_loss_w_at_rated = spec.losses.iron_loss_w_at_rated.value_or(losses.iron_loss_w_at_rated);

@@ -330,6 +330,7 @@ class Loader {
         d.losses.standby_w = l.number("standby_W", {0, 1e4});
       }
     }
+    if (const auto v = map.on_off("ideal")) d.ideal = *v;
     if (const auto v = map.number("brake_resistor_ohm", {0, 1e6})) d.brake_resistor_ohm = *v;
     if (const auto v = map.number("ambient_C", {-40, 100})) d.ambient_c = *v;
     if (const auto v = map.on_off("power")) d.power = *v;
@@ -439,7 +440,7 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
       {"", {"name", "networks", "drives"}},
       {"networks.*", {"serial", "modbus_tcp", "can", "bitrate", "socketcand", "slcan", "channel"}},
       {"drives[]",
-       {"name", "inverter", "motor", "load", "mains", "losses", "brake_resistor_ohm", "ambient_C", "solver", "power",
+       {"name", "inverter", "motor", "load", "mains", "losses", "ideal", "brake_resistor_ohm", "ambient_C", "solver", "power",
         "board", "terminals", "analog", "parameters"}},
       {"drives[].inverter", {"family", "model"}},
       {"drives[].motor",

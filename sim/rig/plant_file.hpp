@@ -69,6 +69,7 @@ struct DriveSpec {
   Located<plant::LoadSettings> load;
   FrictionSpec friction;
   LossSpec losses;
+  bool ideal = false;  // no losses and no friction but those that are named
   std::optional<double> mains_v_rms;
   std::optional<double> source_resistance_ohm;
   double brake_resistor_ohm = 0;

@@ -18,6 +18,7 @@ class ExpectationReader {
   ExpectationReader(Trial& trial, std::size_t drive, rig::Problems& problems)
       : trial_(trial), drive_(drive), problems_(problems) {}
 
+  const std::string& drive_name() const { return trial_.observer(drive_).drive().spec.name; }
   // A name that can be looked at; adds the known ones otherwise.
   std::optional<Observable> observable(std::string_view name, rig::Position at) const;
   std::optional<Observable> signal(std::string_view name, rig::Position at) const;

@@ -41,6 +41,8 @@ struct WatchState {
   bool begun = false;  // has seen a value
   double start = 0;    // the first one
   double extreme = 0;
+  Instant since{};         // begin of the span
+  std::string worst_name;  // of the signal with the largest part of its tolerance, which is in extreme
 };
 
 struct RunState {

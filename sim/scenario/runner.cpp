@@ -179,7 +179,7 @@ Runner::Progress Runner::run_step(Instant now, std::size_t i) {
     return Progress::kSome;
   }
   if (const auto* watch = std::get_if<Watch>(&step.what)) {
-    begin_watch(i, t.next, *watch);
+    begin_watch(now, i, t.next, *watch);
   } else if (const auto* end = std::get_if<WatchEnd>(&step.what)) {
     end_watch(now, end->number);
   } else if (const auto* loop = std::get_if<RepeatBegin>(&step.what)) {

@@ -70,7 +70,8 @@ class Runner {
   void judge_ramp(Instant now, std::size_t track, const Step& step, const Ramp& r, Instant end);
   Progress poll_trip(Instant now, std::size_t track, const Step& step, const Trip& t);
   Progress poll_frame(Instant now, std::size_t track, const Step& step, const ExpectFrame& f);
-  void begin_watch(std::size_t track, std::size_t step_index, const Watch& w);
+  void begin_watch(Instant now, std::size_t track, std::size_t step_index, const Watch& w);
+  void follow_trace(Instant now, WatchState& state, const Step& step, const Watch& w);
   void end_watch(Instant now, std::size_t number);
   void follow_watches(Instant now);
   void follow_drives(Instant now);

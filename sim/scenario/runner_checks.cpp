@@ -263,13 +263,14 @@ Runner::Progress Runner::poll_frame(Instant now, std::size_t i, const Step& step
 
 // --- spans ---
 
-void Runner::begin_watch(std::size_t track, std::size_t step_index, const Watch& w) {
+void Runner::begin_watch(Instant now, std::size_t track, std::size_t step_index, const Watch& w) {
   WatchState& state = state_.watches[w.number];
   if (state.active) return;  // of a loop, with no end of its own: it goes on
   state = {};
   state.active = true;
   state.track = track;
   state.step = step_index;
+  state.since = now;
 }
 
 void Runner::end_watch(Instant now, std::size_t number) {
@@ -283,9 +284,35 @@ void Runner::end_watch(Instant now, std::size_t number) {
     result(now, &step, false, step.text, "a span with at least one tick", "none");
     return;
   }
-  const bool number_seen = w.kind == Watch::Kind::kOvershoot;
-  result(now, &step, true, step.text, "all the time",
-         number_seen ? "at most " + show_value(state.extreme, w.what.unit) : "held");
+  std::string seen = "held";
+  if (w.kind == Watch::Kind::kOvershoot) seen = "at most " + show_value(state.extreme, w.what.unit);
+  if (w.kind == Watch::Kind::kFollows)
+    seen = "at most " + show_value(state.extreme * 100, "%") + " of the tolerance of " + state.worst_name;
+  result(now, &step, true, step.text, "all the time", seen);
+}
+
+void Runner::follow_trace(Instant now, WatchState& state, const Step& step, const Watch& w) {
+  const double t = to_seconds(w.trace_begin + (now - state.since));
+  if (!w.trace->covers(t)) return;
+  state.begun = true;
+  for (const Watch::Followed& f : w.followed) {
+    const double expected = w.trace->at(w.trace->columns[f.column], t);
+    const double value = observer(step).number(f.what);
+    const double tolerance = f.tolerance + std::abs(expected) * widening();
+    const double off = std::abs(value - expected);
+    if (off > tolerance) {
+      state.failed = true;
+      result(now, &step, false, step.text,
+             f.what.name + " " + show_value(expected, f.what.unit) + " +- " + show_value(tolerance, f.what.unit) +
+                 " at " + show_value(t, "s") + " of the table",
+             show_value(value, f.what.unit));
+      return;
+    }
+    const double part = tolerance > 0 ? off / tolerance : 0;
+    if (part < state.extreme && !state.worst_name.empty()) continue;
+    state.extreme = part;
+    state.worst_name = f.what.name;
+  }
 }
 
 void Runner::follow_watches(Instant now) {
@@ -294,6 +321,10 @@ void Runner::follow_watches(Instant now) {
     const Step& step = scenario_.tracks[state.track].steps[state.step];
     const auto& w = std::get<Watch>(step.what);
     const Observer& seen = observer(step);
+    if (w.kind == Watch::Kind::kFollows) {
+      follow_trace(now, state, step, w);
+      continue;
+    }
     const bool first = !std::exchange(state.begun, true);
     const auto fail = [&](const std::string& expected, const std::string& is) {
       state.failed = true;

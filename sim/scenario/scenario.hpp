@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -13,6 +14,7 @@
 #include "sim/base/time.hpp"
 #include "sim/rig/commands.hpp"
 #include "sim/rig/plant_file.hpp"
+#include "sim/scenario/trace.hpp"
 
 namespace vinv::scenario {
 
@@ -88,13 +90,21 @@ struct Trip {
 };
 // Something that is watched from here to the WatchEnd of the same number, or to the end of the scenario.
 struct Watch {
-  enum class Kind : std::uint8_t { kAlways, kNever, kOvershoot, kRising, kFalling };
+  enum class Kind : std::uint8_t { kAlways, kNever, kOvershoot, kRising, kFalling, kFollows };
+  struct Followed {
+    Observable what;
+    std::size_t column = 0;  // of the trace
+    double tolerance = 0;
+  };
   Kind kind = Kind::kAlways;
   std::size_t number = 0;
   Condition all;         // kAlways, kNever
   Observable what;       // the others
   double target = 0;     // kOvershoot
   double tolerance = 0;  // kOvershoot: how far beyond the target; kRising, kFalling: how far back
+  std::shared_ptr<const Trace> trace;  // kFollows
+  std::vector<Followed> followed;
+  Duration trace_begin{};  // its time at the beginning of the span
 };
 struct WatchEnd {
   std::size_t number = 0;

@@ -127,7 +127,7 @@ class Loader {
     settings(map);
     const auto trial = plant(map);
     if (!trial) return;
-    StepReader reader(*trial, options_, problems_);
+    StepReader reader(*trial, options_, problems_, fs::path(scenario_.path).parent_path().string());
     const YAML::Node* steps = map.find("steps");
     const YAML::Node* tracks = map.find("tracks");
     if (steps == nullptr && tracks == nullptr && !map_has(map, "steps") && !map_has(map, "tracks"))
@@ -303,6 +303,7 @@ const std::map<std::string, std::vector<std::string_view>>& scenario_keys() {
         {"", {"plant", "seed", "limit", "tolerance", "variables", "allow_trips", "steps", "tracks"}},
         {"tolerance", {"time", "value"}},
         {"steps[].repeat", {"times", "each", "steps"}},
+        {"steps[].follows", {"file", "begin"}},
         {"steps[].ramp", {"signal", "from", "to", "time", "tolerance", "linearity"}},
         {"steps[].trip", {"code", "within", "cause", "tolerance"}},
         {"steps[].reached", {"within", "not_before", "tolerance"}},

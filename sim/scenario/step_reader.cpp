@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 
 #include "sim/rig/quantity.hpp"
 #include "sim/rig/words.hpp"
@@ -21,7 +23,7 @@ const Keys& pace_words() {
 }
 const Keys& own_words() {
   static const Keys words{"check",  "reached", "ramp",   "trip", "always",     "never",       "overshoot",
-                          "rising", "falling", "repeat", "note", "send_frame", "expect_frame"};
+                          "rising", "falling", "follows", "repeat", "note", "send_frame", "expect_frame"};
   return words;
 }
 bool contains(const Keys& list, std::string_view word) {
@@ -298,11 +300,11 @@ void StepReader::step(const YAML::Node& node, const Variables& variables, int de
   const std::string shown = flow_text(value);
   s.text = shown.empty() ? verb->key : verb->key + ": " + shown;
   if (verb->key == "repeat") return repeat(value, std::move(s), variables, depth, out);
-  if (contains({"always", "never", "overshoot", "rising", "falling"}, verb->key))
+  if (contains({"always", "never", "overshoot", "rising", "falling", "follows"}, verb->key))
     return watch(map, value, std::move(s), variables, depth, out);
   if (const auto* during = map.find("during")) {
     problems_.add(during->key_node,
-                  "\"during\" belongs to always, never, overshoot, rising and falling, not to " + verb->key + ".");
+                  "\"during\" belongs to always, never, overshoot, rising, falling and follows, not to " + verb->key + ".");
     return;
   }
   if (contains(action_words(), verb->key)) {
@@ -471,6 +473,9 @@ void StepReader::watch(const StepMap& map, const YAML::Node& value, Step s, cons
     w.kind = verb.key == "always" ? Watch::Kind::kAlways : Watch::Kind::kNever;
     w.all = reader.condition(value, verb.key);
     fine = !w.all.empty();
+  } else if (verb.key == "follows") {
+    w.kind = Watch::Kind::kFollows;
+    fine = follows(value, reader, w);
   } else {
     const bool overshoot = verb.key == "overshoot";
     w.kind = overshoot ? Watch::Kind::kOvershoot : verb.key == "rising" ? Watch::Kind::kRising : Watch::Kind::kFalling;
@@ -540,6 +545,59 @@ void StepReader::watch(const StepMap& map, const YAML::Node& value, Step s, cons
   s.what = WatchEnd{w.number};
   s.pace = {};
   out.push_back(std::move(s));
+}
+
+// {file: fan.csv, speed: 2 rpm, torque: 0.1 Nm}: the distances that are allowed.
+bool StepReader::follows(const YAML::Node& value, const ExpectationReader& reader, Watch& w) {
+  const rig::YamlMap m(value, "follows", nullptr, problems_);
+  if (!m) return false;
+  bool fine = true;
+  if (const YAML::Node* begin = m.find("begin")) {
+    const auto d = read_duration(*begin, "begin in follows", Duration{}, problems_);
+    fine = d.has_value();
+    w.trace_begin = d.value_or(Duration{});
+  }
+  const auto file = m.text("file");
+  if (!file) {
+    if (!m.has("file")) problems_.add(m.at(), "\"file\" is missing in follows; write the name of a CSV table.");
+    return false;
+  }
+  const std::string path = (std::filesystem::path(folder_) / *file).lexically_normal().string();
+  auto trace = load_trace(path);
+  if (!trace) {
+    problems_.add(*m.find("file"), path + " " + trace.error());
+    return false;
+  }
+  w.trace = std::make_shared<const Trace>(std::move(*trace));
+  for (const auto& e : m.entries()) {
+    if (e.empty || e.key == "file" || e.key == "begin") continue;
+    Watch::Followed f;
+    const auto what = reader.signal(e.key, e.at);
+    // A report names the drive too.
+    const Trace::Column* column = w.trace->find(e.key);
+    if (column == nullptr) column = w.trace->find(reader.drive_name() + "." + e.key);
+    if (what && column == nullptr) problems_.add(e.at, path + " has no column \"" + e.key + " " + what->unit + "\".");
+    if (!what || column == nullptr) {
+      fine = false;
+      continue;
+    }
+    f.what = *what;
+    f.column = static_cast<std::size_t>(column - w.trace->columns.data());
+    if (column->unit != what->unit) {
+      problems_.add(e.at, "column " + e.key + " of " + path + " is in \"" + column->unit + "\"; the signal is in \"" +
+                              what->unit + "\".");
+      fine = false;
+    }
+    const auto distance = reader.distance(e.value, *what, 0);
+    fine = fine && distance.has_value();
+    f.tolerance = distance.value_or(0);
+    w.followed.push_back(std::move(f));
+  }
+  if (fine && w.followed.empty()) {
+    problems_.add(m.at(), "follows takes signals with how far they may be off, as {file: fan.csv, speed: 2 rpm}.");
+    return false;
+  }
+  return fine;
 }
 
 // --- checks ---

@@ -44,8 +44,9 @@ std::optional<Duration> read_duration(const YAML::Node& node, const std::string&
 
 class StepReader {
  public:
-  StepReader(Trial& trial, const LoadOptions& options, rig::Problems& problems)
-      : trial_(trial), options_(options), problems_(problems) {}
+  // folder: files that steps name are relative to it.
+  StepReader(Trial& trial, const LoadOptions& options, rig::Problems& problems, std::string folder)
+      : trial_(trial), options_(options), problems_(problems), folder_(std::move(folder)) {}
 
   Track track(const std::string& name, const YAML::Node& list, const Variables& variables);
   std::size_t watches() const { return watches_; }
@@ -61,6 +62,7 @@ class StepReader {
   void repeat(const YAML::Node& value, Step step, const Variables& variables, int depth, std::vector<Step>& out);
   void watch(const StepMap& map, const YAML::Node& value, Step step, const Variables& variables, int depth,
              std::vector<Step>& out);
+  bool follows(const YAML::Node& value, const ExpectationReader& reader, Watch& w);
   std::optional<Step::What> check(const StepMap& map, const YAML::Node& value, const ExpectationReader& reader);
   std::optional<Step::What> reached(const YAML::Node& value, const ExpectationReader& reader);
   std::optional<Step::What> ramp(const YAML::Node& value, const ExpectationReader& reader);
@@ -70,6 +72,7 @@ class StepReader {
   Trial& trial_;
   const LoadOptions& options_;
   rig::Problems& problems_;
+  std::string folder_;
   std::size_t watches_ = 0;
   std::size_t count_ = 0;
   bool too_many_ = false;

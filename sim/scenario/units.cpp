@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include "sim/rig/quantity.hpp"
@@ -48,6 +49,13 @@ Result<double, std::string> parse_value(std::string_view text, std::string_view 
   while (!number.empty() && number.back() == ' ') number.remove_suffix(1);
   double value = 0;
   if (has_unit && rig::parse_number(number, value)) return value;
+  // Codes are hexadecimal in every manual.
+  unsigned code = 0;
+  if (plain && number.starts_with("0x")) {
+    const char* const end = number.data() + number.size();
+    const auto read = std::from_chars(number.data() + 2, end, code, 16);
+    if (read.ec == std::errc{} && read.ptr == end) return static_cast<double>(code);
+  }
   return Unexpected("\"" + std::string(text) + "\" is no " +
                     (plain ? std::string("plain number; write a number without unit.")
                            : "value in " + std::string(signal_unit) + "; write a number and this unit."));

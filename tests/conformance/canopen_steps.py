@@ -121,7 +121,7 @@ def coasts_down(plant, drive):
     plant.ctl(drive, "load", "torque", "1 Nm")
 
 
-def is_reset(line, node):
+def is_reset(line, node, newest=E_OV3):
     """By 2107H; a reset ends NET mode, so NMT has to start the node again."""
     since = line.now()
     node.write(RESET_INVERTER, 0, 0)
@@ -129,7 +129,7 @@ def is_reset(line, node):
     assert bytes(emergency.data) == bytes([0, 0, 0, 0, 0, IS_OPERATIONAL, 0, 0]), emergency.data.hex()
     wait_until(lambda: node.read(STATUSWORD) & STATE_MASK == SWITCH_ON_DISABLED, 10, "the end of the fault")
     wait_until(lambda: readable(node, NEWEST_ALARMS), 10, "the end of the reset")
-    assert node.read(NEWEST_ALARMS) & 0xFF == E_OV3, "a reset keeps the history"
+    assert node.read(NEWEST_ALARMS) & 0xFF == newest, "a reset keeps the history"
     assert node.read(0x1001) == 0
 
 
@@ -225,10 +225,7 @@ def answers_remote_frames(line, node):
     node.set_tpdo1_type(253)
 
 
-LIFE_TIME = (200, 5)  # ms and factor
-
-
-def stops_when_guarding_ends(line, nodes, inhibit=100):
+def stops_when_guarding_ends(line, nodes, inhibit=100, guard_ms=200, factor=5):
     """nodes: by 6007H. All of them run and are guarded; when that ends each does what its 6007H says."""
     watched = {}
     for option, node in nodes.items():
@@ -239,9 +236,10 @@ def stops_when_guarding_ends(line, nodes, inhibit=100):
         node.parameter(180, 3)
         node.parameter(45, 25)
         node.write(ABORT_OPTION, 0, option)
-        node.write(GUARD_TIME, 0, LIFE_TIME[0])
-        node.write(LIFE_TIME_FACTOR, 0, LIFE_TIME[1], 1)
-        node.guard()
+        node.write(GUARD_TIME, 0, guard_ms)
+        node.write(LIFE_TIME_FACTOR, 0, factor, 1)
+    for node in nodes.values():
+        node.guard()  # from the first time on it is expected
     since = line.now()
     for node in nodes.values():
         command(line, node, BIT_STF, 2000)

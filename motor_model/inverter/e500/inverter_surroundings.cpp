@@ -66,6 +66,8 @@ plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, doub
   p.dc_link.source_resistance_ohm = c.source_resistance_ohm.value_or(m.source_resistance_ohm);
   p.dc_link.precharge_resistance_ohm = m.precharge_ohm;
   p.dc_link.brake_resistance_ohm = c.brake_resistance_ohm;
+  // What the drive rides through must not flow through the pre-charge resistor.
+  p.dc_link.bypass_opens_fraction = m.under_voltage_v / (std::numbers::sqrt2 * nominal_mains_v_rms);
   p.thermal.heat_sink_k_per_w = m.heat_sink_k_per_w;
   p.thermal.heat_sink_time_constant_s = m.heat_sink_time_constant_s;
   p.comparators.over_current_a_peak = m.rated_current_a_rms * std::numbers::sqrt2 * m.over_current_percent / 100;

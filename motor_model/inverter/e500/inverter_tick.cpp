@@ -174,7 +174,7 @@ plant::StageInput E500Inverter::control() {
   sensors.dc_link_v = m.dc_link_v;
   sensors.heat_sink_c = m.heat_sink_c;
   sensors.chopper_on = m.chopper_on;
-  sensors.chopper_failed = causes_.brake_transistor;
+  sensors.chopper_failed = causes_.brake_transistor && m.chopper_on;
   sensors.earth_fault = causes_.earth_fault;
   sensors.output_phase_open = causes_.output_phase_open;
   sensors.rotor_frequency_hz = plant_.config().machine.pole_pairs * m.speed_rpm / 60;

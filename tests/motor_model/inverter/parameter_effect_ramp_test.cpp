@@ -132,6 +132,15 @@ TEST(ParameterEffect, Pr60MindsTheDcLinkWithoutABrakeResistor) {
   }
 }
 
+TEST(ParameterEffect, Pr60MindsTheDcLinkOfAStopInTheAccelerationToo) {
+  Bench b = drive_with({{"Pr.60", 1}}, loaded(0.04));
+  start(b, 50);
+  ASSERT_TRUE(b.run_until([&] { return b.output_hz() > 45; }, 20));
+  stop(b);
+  b.run_until([&] { return !b.port().status().running; }, 30);
+  EXPECT_EQ(b->alarm_name(), "") << b->alarm_cause();
+}
+
 TEST(ParameterEffect, Pr61ToPr63AreTheCurrentsOfTheShortestRamps) {
   const double up = shortest({{"Pr.60", 11}}, false);
   EXPECT_GT(shortest({{"Pr.60", 11}, {"Pr.61", 2.8}}, false), up * 1.2);  // 70 % of the rated current

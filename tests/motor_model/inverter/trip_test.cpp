@@ -153,6 +153,19 @@ TEST(PowerFailure, ShutsTheOutputOffWithIpfAndWithoutAlarm) {
   EXPECT_EQ(b->alarm_name(), "");
 }
 
+// The link of 300 V mains is above the under-voltage level, and the pre-charge resistor must stay out of its way.
+TEST(PowerFailure, AQuarterLessVoltageIsRiddenThrough) {
+  Bench b(with_load(0.05, 4));
+  run_forward(b, 50);
+  ASSERT_TRUE(reached(b, 50));
+  b->set_mains(mains(300));
+  for (int i = 0; i < 1000; ++i) {
+    b.tick();
+    ASSERT_TRUE(b.port().status().running) << b.signal("dc_link");
+  }
+  EXPECT_NEAR(b.signal("dc_link"), 415, 10);  // 424 V less what the supply drops
+}
+
 TEST(PowerFailure, WithoutRestartANewStartEdgeIsNeeded) {
   Bench b(with_load(0.05, 4));
   run_forward(b, 50);

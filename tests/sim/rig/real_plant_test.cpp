@@ -60,6 +60,29 @@ struct Demo {
   Plant plant;
 };
 
+TEST(RealPlant, AnIdealDriveHasOnlyTheLossesThatAreNamed) {
+  const char* const text =
+      "drives:\n"
+      "  - name: real\n"
+      "  - { name: ideal, ideal: on }\n"
+      "  - { name: named, ideal: on, losses: { standby_W: 12 }, load: { friction: { coulomb_Nm: 0.5 } } }\n";
+  kernel::Scheduler scheduler;
+  Plant plant(parse_plant_file(text, "p.yaml", shipped_catalogue()), scheduler, shipped_options());
+  const auto losses = [&](const char* drive) { return plant.find(drive)->inverter->plant().config().losses; };
+  for (const double loss : {losses("real").iron_loss_w_at_rated, losses("real").inverter_loss_fraction,
+                            losses("real").standby_w, losses("real").viscous_nm_s, losses("real").coulomb_nm})
+    EXPECT_GT(loss, 0);
+  for (const char* drive : {"ideal", "named"}) {
+    EXPECT_EQ(losses(drive).iron_loss_w_at_rated, 0);
+    EXPECT_EQ(losses(drive).inverter_loss_fraction, 0);
+    EXPECT_EQ(losses(drive).viscous_nm_s, 0);
+  }
+  EXPECT_EQ(losses("ideal").standby_w, 0);
+  EXPECT_EQ(losses("ideal").coulomb_nm, 0);
+  EXPECT_EQ(losses("named").standby_w, 12);
+  EXPECT_EQ(losses("named").coulomb_nm, 0.5);
+}
+
 TEST(RealPlant, TheShippedPlantFilesStart) {
   for (const char* name : {"demo.yaml", "minimal.yaml"}) {
     kernel::Scheduler scheduler;

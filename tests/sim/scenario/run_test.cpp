@@ -1,5 +1,6 @@
 // Every check, passing and failing; time, waiting, tracks, repeat; trips.
 #include <algorithm>
+#include <fstream>
 
 #include "tests/sim/scenario/support.hpp"
 
@@ -156,6 +157,25 @@ TEST(Span, OvershootAndMonotonyAreMeasured) {
   const RunResult falling = span("falling: output_frequency");
   EXPECT_EQ(only_failure(falling).expected, "only falls");
   EXPECT_EQ(span("falling: { output_frequency: 15 Hz }").verdict, Verdict::kPassed);
+}
+
+TEST(Span, FollowsATableOverTime) {
+  const std::string path = ::testing::TempDir() + "follows.csv";
+  // The ramp down from 20 Hz takes 0.2 s; what the last row does not reach is not compared.
+  std::ofstream(path) << "# a ramp\ntime_s,output_frequency Hz,drive_1.output_current A\n0,20,1\n0.1,10,1\n0.15,5,1\n";
+  const std::string follows = "  - stop\n  - follows: { file: " + path + ", output_frequency: ";
+  const RunResult good = run_steps(follows + "0.15 Hz, output_current: 5 A }\n    during: 1 s\n");
+  EXPECT_EQ(good.verdict, Verdict::kPassed) << failures(good);
+  EXPECT_NE(good.checks.back().seen.find("of the tolerance of output_"), std::string::npos) << good.checks.back().seen;
+  const RunResult close = run_steps(follows + "0.01 Hz }\n    during: 1 s\n");
+  const CheckResult& failure = only_failure(close);
+  EXPECT_NE(failure.expected.find("+- 0.01 Hz at 0.0"), std::string::npos) << failure.expected;
+  // Begun in the middle of the table, it expects 10 Hz at once.
+  const RunResult early = run_steps(follows + "0.15 Hz, begin: 100 ms }\n    during: 1 s\n");
+  EXPECT_EQ(only_failure(early).expected.substr(0, 20), "output_frequency 9.9");
+  // A span that never meets the table compares nothing.
+  const RunResult beyond = run_steps(follows + "0.15 Hz, begin: 10 s }\n    during: 1 s\n");
+  EXPECT_EQ(only_failure(beyond).seen, "none");
 }
 
 TEST(Trip, IsExpectedWithWhatGoesWithIt) {

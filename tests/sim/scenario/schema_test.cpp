@@ -26,7 +26,7 @@ TEST(ScenarioSchema, KnowsTheKeysOfTheLoader) {
   of_schema[""] = keys_of(schema["properties"]);
   of_schema["tolerance"] = keys_of(schema["properties"]["tolerance"]["properties"]);
   of_schema["steps[]"] = keys_of(step);
-  for (const char* word : {"repeat", "ramp", "trip", "reached", "expect_frame"})
+  for (const char* word : {"repeat", "ramp", "trip", "reached", "follows", "expect_frame"})
     of_schema[std::string("steps[].") + word] = keys_of(step[word]["properties"]);
   std::map<std::string, std::vector<std::string>> of_loader;
   for (const auto& [path, keys] : scenario_keys()) of_loader[path].assign(keys.begin(), keys.end());

@@ -17,6 +17,7 @@ TEST(Units, AValueIsReadInTheUnitOfItsSignal) {
   EXPECT_DOUBLE_EQ(parse_value("1.5 kW", "W").value(), 1500);
   EXPECT_DOUBLE_EQ(parse_value("1440 rpm", "rpm").value(), 1440);
   EXPECT_DOUBLE_EQ(parse_value("7", "-").value(), 7);
+  EXPECT_DOUBLE_EQ(parse_value("0xA3", "-").value(), 163) << "a code as manuals print it";
   EXPECT_DOUBLE_EQ(parse_value("2.5 bar", "bar").value(), 2.5) << "a unit that nobody foresaw";
 }
 
@@ -24,6 +25,9 @@ TEST(Units, AMissingOrWrongUnitIsRefused) {
   EXPECT_FALSE(parse_value("40", "Hz"));
   EXPECT_FALSE(parse_value("40 A", "Hz"));
   EXPECT_FALSE(parse_value("7 Hz", "-"));
+  EXPECT_FALSE(parse_value("0x", "-"));
+  EXPECT_FALSE(parse_value("0xG1", "-"));
+  EXPECT_FALSE(parse_value("0x10", "A"));
   EXPECT_FALSE(parse_value("2.5", "bar"));
   EXPECT_FALSE(parse_value("", "Hz"));
 }
