@@ -127,6 +127,7 @@ void archive(Archive& a, ParameterStore& store) {
       a.require(raw == own[i] || table->rows()[i].accepts(raw), "a parameter has a value that it does not take");
     }
   }
+  if (a.failed()) factory = own;  // by which what is put back is judged
 }
 
 }  // namespace vinv::inverter

@@ -103,7 +103,7 @@ TEST(Regeneration, ADefectiveBrakeTransistorEndsTheLoweringInItsAlarm) {
   b.run(10);
   ASSERT_EQ(b->alarm_name(), "") << b->alarm_cause();
   ASSERT_TRUE(b->inject_fault("brake_transistor", true).has_value());
-  b.run(0.01);
+  b.run(0.3);  // until the chopper turns on again
   EXPECT_TRUE(b.alarm("E.BE"));
   EXPECT_FALSE(b.port().status().running);
   const double brake_j = b->plant().energy().brake_j;

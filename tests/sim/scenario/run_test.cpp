@@ -167,7 +167,7 @@ TEST(Span, FollowsATableOverTime) {
   const RunResult good = run_steps(follows + "0.15 Hz, output_current: 5 A }\n    during: 1 s\n");
   EXPECT_EQ(good.verdict, Verdict::kPassed) << failures(good);
   EXPECT_NE(good.checks.back().seen.find("of the tolerance of output_"), std::string::npos) << good.checks.back().seen;
-  const RunResult close = run_steps(follows + "0.01 Hz }\n    during: 1 s\n");
+  const RunResult close = run_steps(follows + "0.01 Hz, begin: 1 ms }\n    during: 1 s\n");
   const CheckResult& failure = only_failure(close);
   EXPECT_NE(failure.expected.find("+- 0.01 Hz at 0.0"), std::string::npos) << failure.expected;
   // Begun in the middle of the table, it expects 10 Hz at once.
