@@ -17,7 +17,7 @@ constexpr std::uint32_t kStandardMask = 0x7ff, kExtendedMask = 0x1fffffff;
 Bytes wire_bytes(const CanFrame& frame) {
   Bytes out;
   append_be32(out, frame.id | (frame.extended ? kExtendedFlag : 0) | (frame.remote ? kRemoteFlag : 0));
-  out.insert(out.end(), frame.data.begin(), frame.data.begin() + frame.length);
+  for (std::size_t i = 0; i < frame.length; ++i) out.push_back(frame.data[i]);
   if (frame.remote) std::fill(out.begin() + 4, out.end(), std::uint8_t{0});
   return out;
 }
