@@ -57,7 +57,6 @@ class ModbusMaster {
   // Asks every interval from now on; one that still waits when it is due again is not queued twice. The number of the
   // cycle; empty beyond kMaxCycles.
   std::optional<std::size_t> add_cycle(Instant now, ModbusRequest request, Duration interval);
-  void stop_cycles() { state_.cycles.clear(); }
 
   void handle_bytes(Instant now, ByteView bytes, bool line_error);
   void handle_timeout(Instant now);

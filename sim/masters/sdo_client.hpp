@@ -64,8 +64,6 @@ class SdoClient {
   std::optional<CanFrame> poll_transmit(Instant now);
   std::optional<SdoResult> poll_result();
   std::size_t waiting() const { return state_.transfers.size(); }
-  // Forgets what waits or is under way, without results.
-  void clear() { state_ = State{state_.next_id, {}, {}, {}}; }
 
   struct Open {
     SdoId id = 0;
