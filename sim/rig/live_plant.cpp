@@ -89,6 +89,7 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
                                                                       : options.state_folder);
   PlantOptions plant_options;
   plant_options.catalogue = catalogue;
+  plant_options.seed = options.seed;
   plant_options.clock = [this] { return loop_.now(); };
   if (!options.fresh) plant_options.stored_eeprom = [this](const std::string& drive) { return store_->load(drive); };
   plant_options.damaged_eeprom = [this](const std::string& drive, const std::string& reason) {

@@ -25,6 +25,7 @@ struct LiveOptions {
   std::string runtime_folder;           // empty: default_runtime_folder
   std::string record_ip;                // a pcapng file for all TCP traffic; empty: none
   std::vector<std::string> record_can;  // as LiveCan::record has it
+  std::uint64_t seed = 1;               // as PlantOptions has it
 };
 
 class LivePlant {

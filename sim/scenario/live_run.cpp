@@ -34,17 +34,14 @@ struct OwnFolder {
 
 RunResult run_live(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options,
                    const std::function<void(const std::string& text)>& notice) {
-  RunResult failed;
-  failed.path = scenario.path;
-  failed.name = scenario.name;
-  failed.title = scenario.title;
-  failed.seed = options.seed.value_or(scenario.seed);
+  RunResult failed = not_run(scenario, options);
   try {
     const OwnFolder folder;
     transports::EventLoop loop;
     rig::LiveOptions live_options;
     live_options.fresh = true;
     live_options.state_folder = folder.path;
+    live_options.seed = failed.seed;
     rig::LivePlant live(loop, scenario.plant, catalogue, live_options, notice);
     RunOptions run_options = options;
     run_options.live = true;

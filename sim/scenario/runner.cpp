@@ -33,16 +33,14 @@ Runner::Runner(const Scenario& scenario, rig::Plant& plant, RunOptions options)
   state_.tracks.resize(scenario_.tracks.size());
   state_.watches.resize(scenario_.watches);
   state_.alarms.assign(observers_.size(), std::string(kNoAlarm));
-  result_.path = scenario_.path;
-  result_.name = scenario_.name;
-  result_.title = scenario_.title;
-  result_.seed = options_.seed.value_or(scenario_.seed);
+  result_ = not_run(scenario_, options_);
 }
 
 Runner::~Runner() {
   for (const Wakeup& w : wakeups_)
     if (w.event != 0) plant_.scheduler().cancel(w.event);
-  if (tick_event_ != 0) plant_.scheduler().cancel(tick_event_);
+  for (const kernel::EventId id : {start_event_, tick_event_})
+    if (id != 0) plant_.scheduler().cancel(id);
 }
 
 void Runner::start() {
@@ -63,7 +61,7 @@ void Runner::start() {
   // The plant's own tick was scheduled for the same instants before, so that its drives have ticked by then.
   tick_event_ = scheduler.schedule_every(now + options_.recording.period, options_.recording.period,
                                          kernel::Priority::kObserver, [this](Instant at) { tick(at); });
-  scheduler.schedule(now, kernel::Priority::kStimulus, [this](Instant at) { pass(at); });
+  start_event_ = scheduler.schedule(now, kernel::Priority::kStimulus, [this](Instant at) { pass(at); });
 }
 
 void Runner::tick(Instant now) {
@@ -153,6 +151,8 @@ Runner::Progress Runner::begin_step(Instant now, std::size_t i) {
 }
 
 void Runner::wake(Instant at, std::size_t i) {
+  // Another track's wakeup at this instant may have come first and done what the one that waits was for.
+  if (wakeups_[i].event != 0) plant_.scheduler().cancel(wakeups_[i].event);
   wakeups_[i].event = plant_.scheduler().schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) {
     wakeups_[i].event = 0;
     pass(now);
@@ -325,12 +325,17 @@ double Runner::widening() const { return options_.live ? scenario_.tolerance.val
 
 const std::string& Runner::drive_name(const Step& step) const { return scenario_.plant.drives[step.drive].name; }
 
+RunResult not_run(const Scenario& scenario, const RunOptions& options) {
+  RunResult result;
+  result.path = scenario.path;
+  result.name = scenario.name;
+  result.title = scenario.title;
+  result.seed = options.seed.value_or(scenario.seed);
+  return result;
+}
+
 RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options) {
-  RunResult failed;
-  failed.path = scenario.path;
-  failed.name = scenario.name;
-  failed.title = scenario.title;
-  failed.seed = options.seed.value_or(scenario.seed);
+  RunResult failed = not_run(scenario, options);
   try {
     kernel::Scheduler scheduler;
     rig::PlantOptions plant_options;

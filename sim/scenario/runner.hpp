@@ -97,6 +97,7 @@ class Runner {
   std::map<std::string, std::size_t> master_user_;  // track that uses it now
   std::map<std::string, std::vector<Bytes>> frames_;
   std::vector<Wakeup> wakeups_;
+  kernel::EventId start_event_ = 0;
   kernel::EventId tick_event_ = 0;
   RunState state_;
   RunResult result_;
@@ -107,5 +108,8 @@ class Runner {
 
 // A whole run in virtual time, from a plant of its own. Never throws: what goes wrong is in the result.
 RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options);
+
+// What a result says before the run: which scenario, which seed.
+RunResult not_run(const Scenario& scenario, const RunOptions& options);
 
 }  // namespace vinv::scenario

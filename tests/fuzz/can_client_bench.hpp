@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -73,6 +75,36 @@ class CanClientBench {
     std::copy(data.begin(), data.end(), frame.data.begin());
     return frame;
   }
+
+  // Operations of a fuzzer's input, up to kMaxOperations: say(text) any text, known texts (of which there are any number)
+  // and frames as frame_text(frame) has them; frames of the node, time, errors on the bus; for the rest otherwise(argument).
+  template <class Say, class Known, class FrameText, class Otherwise>
+  void play(Input& input, Say&& say_text, const Known& known, FrameText&& frame_text, Otherwise&& otherwise) {
+    for (int i = 0; i < kMaxOperations && !input.empty(); ++i) {
+      const std::uint8_t operation = input.byte();
+      const std::uint8_t argument = operation >> 3;
+      switch (operation & 7) {
+        case 0:
+        case 1: {  // any text
+          const Bytes text = input.chunk(argument + 1u);
+          say_text(std::string_view(reinterpret_cast<const char*>(text.data()), text.size()));
+          break;
+        }
+        case 2: say_text(std::string_view(known[argument % std::size(known)])); break;
+        case 3: say_text(std::string_view(frame_text(any_frame(input)))); break;
+        case 4: other->send(scheduler.now(), any_frame(input)); break;
+        case 5: run_for(Duration(std::chrono::microseconds(50)) * (argument + 1)); break;
+        case 6:
+          if (argument < 16)
+            bus->inject_error_frame(scheduler.now());
+          else
+            other->force_bus_off(scheduler.now());
+          break;
+        default: otherwise(argument); break;
+      }
+    }
+  }
+  static constexpr int kMaxOperations = 300;
 
   kernel::Scheduler scheduler;
   std::unique_ptr<transports::CanBus> bus;

@@ -11,8 +11,6 @@ using namespace vinv::transports;
 
 namespace {
 
-constexpr int kMaxOperations = 300;
-
 bool is_answer(std::string_view line) {
   if (line.empty() || line == "\a" || line == "z" || line == "Z" || line == "V1013" || line == "v0100" ||
       line == "NVINV") {
@@ -57,29 +55,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                        "F\r", "V\r",         "v\r",         "N\r",  "Z1\r",    "Z0\r",
                                        "\r",  "M00000000\r", "mFFFFFFFF\r", "X1\r", "t1230\r", "r701",
                                        "T",   "\r\n",        "s0000\r",     "S4\r", "\a",      "Q1\r"};
-  for (int i = 0; i < kMaxOperations && !input.empty(); ++i) {
-    const std::uint8_t operation = input.byte();
-    const std::uint8_t argument = operation >> 3;
-    switch (operation & 7) {
-      case 0:
-      case 1: {  // any text
-        const vinv::Bytes text = input.chunk(argument + 1u);
-        bench.tell({reinterpret_cast<const char*>(text.data()), text.size()});
-        break;
-      }
-      case 2: bench.tell(kCommands[argument % std::size(kCommands)]); break;
-      case 3: bench.tell(slcan_frame(vinv::fuzz::CanClientBench::any_frame(input)) + "\r"); break;
-      case 4: bench.other->send(bench.scheduler.now(), vinv::fuzz::CanClientBench::any_frame(input)); break;
-      case 5: bench.run_for(Duration(50us) * (argument + 1)); break;
-      case 6:
-        if (argument < 16)
-          bench.bus->inject_error_frame(bench.scheduler.now());
-        else
-          bench.other->force_bus_off(bench.scheduler.now());
-        break;
-      default: bench.tell("C\rS6\rO\r"); break;
-    }
-  }
+  bench.play(
+      input, [&](std::string_view text) { bench.tell(text); }, kCommands,
+      [](const CanFrame& frame) { return slcan_frame(frame) + "\r"; },
+      [&](std::uint8_t) { bench.tell("C\rS6\rO\r"); });
   bench.tell("\rC\rS6\rZ0\rO\r");
   bench.run_for(300ms);
   bench.check_heard();

@@ -11,8 +11,6 @@ using namespace vinv::transports;
 
 namespace {
 
-constexpr int kMaxOperations = 300;
-
 struct Session : vinv::fuzz::CanClientBench {
   Session() {
     options.buses = {{"can0", bus.get()}, {"can1", bus.get()}};
@@ -80,33 +78,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                        "< sendrtr 1 0 >",
                                        "< statistics 100 >",
                                        "< add 0 1000 123 1 FF >"};
-  for (int i = 0; i < kMaxOperations && !input.empty(); ++i) {
-    const std::uint8_t operation = input.byte();
-    const std::uint8_t argument = operation >> 3;
-    switch (operation & 7) {
-      case 0:
-      case 1: {  // any text
-        const vinv::Bytes text = input.chunk(argument + 1u);
-        bench.say({reinterpret_cast<const char*>(text.data()), text.size()});
-        break;
-      }
-      case 2: bench.say(kMessages[argument % std::size(kMessages)]); break;
-      case 3: bench.say(socketcand_send(vinv::fuzz::CanClientBench::any_frame(input))); break;
-      case 4: bench.other->send(bench.scheduler.now(), vinv::fuzz::CanClientBench::any_frame(input)); break;
-      case 5: bench.run_for(Duration(50us) * (argument + 1)); break;
-      case 6:
-        if (argument < 16)
-          bench.bus->inject_error_frame(bench.scheduler.now());
-        else
-          bench.other->force_bus_off(bench.scheduler.now());
-        break;
-      default:
+  bench.play(
+      input, [&](std::string_view text) { bench.say(text); }, kMessages,
+      [](const CanFrame& frame) { return socketcand_send(frame); },
+      [&](std::uint8_t argument) {
         if (argument == 0) bench.restart();
         if (argument == 1 && !bench.closed) bench.client->close();
         if (argument > 1) bench.say("< open can0 >< rawmode >");
-        break;
-    }
-  }
+      });
   bench.run_for(300ms);
   bench.check_heard();
   if (!bench.closed && !bench.ended) {

@@ -1,5 +1,5 @@
 // What the ports of buses that are not ours have in common: handlers, state, counts, and the confirmation of a frame
-// that was handed over.
+// that was handed over. RemotePort is the port itself where the far end confirms nothing.
 #pragma once
 
 #include <algorithm>
@@ -63,6 +63,37 @@ struct RemotePortState : std::enable_shared_from_this<RemotePortState> {
   std::vector<std::pair<Instant, CanFrame>> unconfirmed;
   std::vector<std::pair<Instant, CanFrame>> confirming;
   kernel::EventId confirmation = 0;
+};
+
+class RemotePort : public CanPort {
+ public:
+  RemotePort(const RemotePort&) = delete;
+  RemotePort& operator=(const RemotePort&) = delete;
+
+  void set_handlers(CanHandlers handlers) final {
+    state_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
+  }
+  CanSend send(Instant now, const CanFrame& frame) final {
+    VINV_CHECK(is_well_formed(frame));
+    if (queue_room() == 0 || !hand_over(now, frame)) {
+      ++state_->status.lost;
+      return state_->may_send() ? CanSend::kRefusedFull : CanSend::kRefusedState;
+    }
+    state_->confirm_later(now, frame);
+    return CanSend::kQueued;
+  }
+  std::size_t queue_room() const final { return state_->room(kMaxQueuedFrames); }
+  void clear_queue() final {}  // nothing waits on our side
+  CanStatus status() const final { return state_->status; }
+
+ protected:
+  explicit RemotePort(std::shared_ptr<RemotePortState> state) : state_(std::move(state)) {}
+
+ private:
+  // False: the far end's transport does not take it now.
+  virtual bool hand_over(Instant now, const CanFrame& frame) = 0;
+
+  std::shared_ptr<RemotePortState> state_;
 };
 
 }  // namespace vinv::transports

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "sim/transports/can/number_text.hpp"
-#include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/can/slcan_text.hpp"
 #include "sim/transports/can/tcp_dialer.hpp"
 #include "sim/transports/serial_tty.hpp"
@@ -104,7 +103,7 @@ struct SlcanClient::Impl : RemotePortState {
   bool bells_expected = false;
 };
 
-SlcanClient::SlcanClient(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+SlcanClient::SlcanClient(std::shared_ptr<Impl> impl) : RemotePort(impl), impl_(std::move(impl)) {}
 
 SlcanClient::~SlcanClient() {
   impl_->handlers.reset();
@@ -159,22 +158,10 @@ Result<std::unique_ptr<SlcanClient>, std::string> SlcanClient::open_stream(kerne
   return std::unique_ptr<SlcanClient>(new SlcanClient(std::move(impl)));
 }
 
-void SlcanClient::set_handlers(CanHandlers handlers) {
-  impl_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
-}
-
-CanSend SlcanClient::send(Instant now, const CanFrame& frame) {
-  VINV_CHECK(is_well_formed(frame));
-  if (queue_room() == 0) {
-    ++impl_->status.lost;
-    return impl_->may_send() ? CanSend::kRefusedFull : CanSend::kRefusedState;
-  }
+bool SlcanClient::hand_over(Instant now, const CanFrame& frame) {
   impl_->say_frame(now, frame);
-  impl_->confirm_later(now, frame);
-  return CanSend::kQueued;
+  return true;
 }
-
-std::size_t SlcanClient::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 void SlcanClient::set_online(Instant now, bool online) {
   if (std::exchange(impl_->online, online) == online) return;
@@ -193,7 +180,6 @@ Result<void, std::string> SlcanClient::set_bitrate(Instant now, std::uint32_t bi
   return {};
 }
 
-CanStatus SlcanClient::status() const { return impl_->status; }
 std::string SlcanClient::name() const { return "slcan " + impl_->where; }
 
 }  // namespace vinv::transports

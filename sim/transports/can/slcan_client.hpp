@@ -9,12 +9,12 @@
 
 #include "sim/base/result.hpp"
 #include "sim/transports/byte_stream.hpp"
-#include "sim/transports/can/can_port.hpp"
+#include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/event_loop.hpp"
 
 namespace vinv::transports {
 
-class SlcanClient : public CanPort {
+class SlcanClient : public RemotePort {
  public:
   // How often the adapter's status flags (F) are asked for.
   static constexpr Duration kStatusInterval = std::chrono::seconds(1);
@@ -29,22 +29,16 @@ class SlcanClient : public CanPort {
                                                                        std::unique_ptr<ByteStream> stream,
                                                                        std::uint32_t bitrate);
   ~SlcanClient() override;
-  SlcanClient(const SlcanClient&) = delete;
-  SlcanClient& operator=(const SlcanClient&) = delete;
 
-  void set_handlers(CanHandlers handlers) override;
-  CanSend send(Instant now, const CanFrame& frame) override;
-  std::size_t queue_room() const override;
-  void clear_queue() override {}  // nothing waits on our side
   // Closes and opens the adapter's channel.
   void set_online(Instant now, bool online) override;
   Result<void, std::string> set_bitrate(Instant now, std::uint32_t bitrate) override;
-  CanStatus status() const override;
   std::string name() const override;
 
  private:
   struct Impl;
   explicit SlcanClient(std::shared_ptr<Impl> impl);
+  bool hand_over(Instant now, const CanFrame& frame) override;
   std::shared_ptr<Impl> impl_;
 };
 

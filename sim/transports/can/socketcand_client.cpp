@@ -4,7 +4,6 @@
 
 #include "sim/transports/can/error_frame.hpp"
 #include "sim/transports/can/number_text.hpp"
-#include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/can/socketcand_text.hpp"
 #include "sim/transports/can/tcp_dialer.hpp"
 
@@ -105,11 +104,11 @@ struct SocketcandClient::Impl : RemotePortState {
   std::string complaint;
 };
 
-SocketcandClient::SocketcandClient(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+SocketcandClient::SocketcandClient(std::shared_ptr<Impl> impl) : RemotePort(impl), impl_(std::move(impl)) {}
 
 SocketcandClient::SocketcandClient(kernel::Scheduler& scheduler, const std::string& bus,
                                    std::unique_ptr<ByteStream> stream)
-    : impl_(std::make_shared<Impl>(scheduler, bus)) {
+    : SocketcandClient(std::make_shared<Impl>(scheduler, bus)) {
   impl_->connect(std::move(stream));
 }
 
@@ -131,24 +130,12 @@ Result<std::unique_ptr<SocketcandClient>, std::string> SocketcandClient::open(Ev
   return std::unique_ptr<SocketcandClient>(new SocketcandClient(std::move(impl)));
 }
 
-void SocketcandClient::set_handlers(CanHandlers handlers) {
-  impl_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
-}
-
-CanSend SocketcandClient::send(Instant now, const CanFrame& frame) {
-  VINV_CHECK(is_well_formed(frame));
-  if (queue_room() == 0) {
-    ++impl_->status.lost;
-    return impl_->may_send() ? CanSend::kRefusedFull : CanSend::kRefusedState;
-  }
+bool SocketcandClient::hand_over(Instant now, const CanFrame& frame) {
   impl_->text.clear();
   append_socketcand_send(impl_->text, frame);
   impl_->say(now, impl_->text);
-  impl_->confirm_later(now, frame);
-  return CanSend::kQueued;
+  return true;
 }
-
-std::size_t SocketcandClient::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 // The connection stays: the server's side of the bus does not know of our power.
 void SocketcandClient::set_online(Instant now, bool online) {
@@ -161,7 +148,6 @@ Result<void, std::string> SocketcandClient::set_bitrate(Instant, std::uint32_t) 
   return Unexpected(std::string("the bit rate of a bus behind socketcand is set at its server"));
 }
 
-CanStatus SocketcandClient::status() const { return impl_->status; }
 std::string SocketcandClient::name() const { return "socketcand " + impl_->bus; }
 std::string SocketcandClient::error() const {
   if (!impl_->complaint.empty()) return impl_->complaint;

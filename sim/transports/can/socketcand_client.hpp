@@ -8,12 +8,12 @@
 
 #include "sim/base/result.hpp"
 #include "sim/transports/byte_stream.hpp"
-#include "sim/transports/can/can_port.hpp"
+#include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/event_loop.hpp"
 
 namespace vinv::transports {
 
-class SocketcandClient : public CanPort {
+class SocketcandClient : public RemotePort {
  public:
   // Connects, and again whenever the connection is lost; offline meanwhile. Refusal: a sentence. The loop outlives it.
   static Result<std::unique_ptr<SocketcandClient>, std::string> open(EventLoop& loop, const std::string& host,
@@ -21,16 +21,9 @@ class SocketcandClient : public CanPort {
   // On a stream that is there already; offline for good when it ends. The scheduler outlives it.
   SocketcandClient(kernel::Scheduler& scheduler, const std::string& bus, std::unique_ptr<ByteStream> stream);
   ~SocketcandClient() override;
-  SocketcandClient(const SocketcandClient&) = delete;
-  SocketcandClient& operator=(const SocketcandClient&) = delete;
 
-  void set_handlers(CanHandlers handlers) override;
-  CanSend send(Instant now, const CanFrame& frame) override;
-  std::size_t queue_room() const override;
-  void clear_queue() override {}  // nothing waits on our side
   void set_online(Instant now, bool online) override;
   Result<void, std::string> set_bitrate(Instant now, std::uint32_t bitrate) override;
-  CanStatus status() const override;
   std::string name() const override;
   // What the server complained of last, or why there is no connection; empty if nothing.
   std::string error() const;
@@ -38,6 +31,7 @@ class SocketcandClient : public CanPort {
  private:
   struct Impl;
   explicit SocketcandClient(std::shared_ptr<Impl> impl);
+  bool hand_over(Instant now, const CanFrame& frame) override;
   std::shared_ptr<Impl> impl_;
 };
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "sim/transports/can/multicast_text.hpp"
-#include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/io_error.hpp"
 
 namespace vinv::transports {
@@ -77,7 +76,7 @@ struct UdpMulticastPort::Impl : RemotePortState {
   std::array<std::uint8_t, 4096> datagram{};  // as much as python-can takes
 };
 
-UdpMulticastPort::UdpMulticastPort(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+UdpMulticastPort::UdpMulticastPort(std::shared_ptr<Impl> impl) : RemotePort(impl), impl_(std::move(impl)) {}
 UdpMulticastPort::~UdpMulticastPort() { impl_->shut(); }
 
 Result<std::unique_ptr<UdpMulticastPort>, std::string> UdpMulticastPort::open(EventLoop& loop,
@@ -90,28 +89,12 @@ Result<std::unique_ptr<UdpMulticastPort>, std::string> UdpMulticastPort::open(Ev
   return std::unique_ptr<UdpMulticastPort>(new UdpMulticastPort(std::move(impl)));
 }
 
-void UdpMulticastPort::set_handlers(CanHandlers handlers) {
-  impl_->handlers = std::make_shared<const CanHandlers>(std::move(handlers));
-}
-
-CanSend UdpMulticastPort::send(Instant now, const CanFrame& frame) {
-  VINV_CHECK(is_well_formed(frame));
-  if (!impl_->may_send()) {
-    ++impl_->status.lost;
-    return CanSend::kRefusedState;
-  }
+bool UdpMulticastPort::hand_over(Instant now, const CanFrame& frame) {
   const Bytes bytes = multicast_datagram(frame, to_seconds(now));
   asio::error_code error;
   impl_->out.send(asio::buffer(bytes), 0, error);
-  if (error) {
-    ++impl_->status.lost;
-    return CanSend::kRefusedFull;
-  }
-  impl_->confirm_later(now, frame);
-  return CanSend::kQueued;
+  return !error;
 }
-
-std::size_t UdpMulticastPort::queue_room() const { return impl_->room(kMaxQueuedFrames); }
 
 void UdpMulticastPort::set_online(Instant now, bool online) {
   if (std::exchange(impl_->online, online) == online) return;
@@ -122,7 +105,6 @@ Result<void, std::string> UdpMulticastPort::set_bitrate(Instant, std::uint32_t) 
   return Unexpected(std::string("a multicast bus has no bit rate"));
 }
 
-CanStatus UdpMulticastPort::status() const { return impl_->status; }
 std::string UdpMulticastPort::name() const { return "multicast " + impl_->where; }
 
 }  // namespace vinv::transports

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "sim/base/result.hpp"
-#include "sim/transports/can/can_port.hpp"
+#include "sim/transports/can/remote_port.hpp"
 #include "sim/transports/event_loop.hpp"
 
 namespace vinv::transports {
@@ -19,27 +19,21 @@ struct UdpMulticastOptions {
   int hop_limit = 1;  // stays in the local network
 };
 
-class UdpMulticastPort : public CanPort {
+class UdpMulticastPort : public RemotePort {
  public:
   // Refusal: a sentence. The loop outlives the port.
   static Result<std::unique_ptr<UdpMulticastPort>, std::string> open(EventLoop& loop,
                                                                      const UdpMulticastOptions& options);
   ~UdpMulticastPort() override;
-  UdpMulticastPort(const UdpMulticastPort&) = delete;
-  UdpMulticastPort& operator=(const UdpMulticastPort&) = delete;
 
-  void set_handlers(CanHandlers handlers) override;
-  CanSend send(Instant now, const CanFrame& frame) override;
-  std::size_t queue_room() const override;
-  void clear_queue() override {}  // nothing waits on our side
   void set_online(Instant now, bool online) override;
   Result<void, std::string> set_bitrate(Instant now, std::uint32_t bitrate) override;
-  CanStatus status() const override;
   std::string name() const override;
 
  private:
   struct Impl;
   explicit UdpMulticastPort(std::shared_ptr<Impl> impl);
+  bool hand_over(Instant now, const CanFrame& frame) override;
   std::shared_ptr<Impl> impl_;
 };
 

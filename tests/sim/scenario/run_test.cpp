@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "sim/kernel/virtual_clock.hpp"
 #include "tests/sim/scenario/support.hpp"
 
 namespace vinv::scenario {
@@ -11,6 +12,7 @@ using testing::failures;
 using testing::kHead;
 using testing::kRunning;
 using testing::only_failure;
+using testing::read;
 using testing::run;
 using testing::run_steps;
 
@@ -321,6 +323,28 @@ TEST(LiveTolerance, WidensLimitsInLiveRunsOnly) {
   live.live = true;
   const RunResult r = run(text, live);
   EXPECT_EQ(r.verdict, Verdict::kPassed) << failures(r);
+}
+
+TEST(Tracks, ARunThatIsTakenDownEarlyLeavesNothingToComeBackTo) {
+  const Scenario s = read(std::string(kHead) +
+                          "tracks:\n"
+                          "  a:\n"
+                          "    - { after: 10 ms, note: a1 }\n"
+                          "    - { after: 10 ms, note: a2 }\n"
+                          "  b:\n"
+                          "    - { after: 10 ms, note: b1 }\n"
+                          "    - { after: 10 s, note: b2 }\n");
+  kernel::Scheduler scheduler;
+  {
+    rig::PlantOptions options;
+    options.catalogue = rig::shipped_catalogue();
+    rig::Plant plant(s.plant, scheduler, std::move(options));
+    Runner runner(s, plant, {});
+    plant.start();
+    runner.start();
+    kernel::VirtualClock(scheduler).run_until(scheduler.now() + std::chrono::milliseconds(15));
+  }
+  EXPECT_EQ(scheduler.waiting(), 0u);
 }
 
 }  // namespace
