@@ -12,9 +12,11 @@
 #include "sim/campaign/campaign_file.hpp"
 #include "sim/campaign/campaign_run.hpp"
 
-namespace vinv::campaign::testing {
+namespace vinv::campaign {
 
 namespace fs = std::filesystem;
+
+namespace testing {
 
 inline scenario::LoadOptions load_options() {
   scenario::LoadOptions options;
@@ -84,4 +86,5 @@ inline CampaignRunOptions run_options(const Folder& folder) {
   return options;
 }
 
-}  // namespace vinv::campaign::testing
+}  // namespace testing
+}  // namespace vinv::campaign
