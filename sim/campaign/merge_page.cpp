@@ -64,16 +64,21 @@ std::string chart(const std::string& title, const std::vector<Bar>& bars) {
   return out + "</svg></figure>\n";
 }
 
-// Over two things that vary: which pairs of values pass.
-std::string map_of(const std::string& across, const std::string& down,
-                   const std::vector<std::array<std::string, 2>>& values, const std::vector<int>& classes) {
+// Over the two things that a grid varies, in the cases from first to before end: which pairs of values fail.
+std::string map_of(const Campaign& campaign, const std::vector<Axis>& grid, std::uint64_t first, std::uint64_t end,
+                   const std::vector<int>& classes) {
+  std::vector<std::array<std::string, 2>> values;
+  for (std::uint64_t k = first; k < end; ++k) {
+    std::array<std::string, 2>& pair = values.emplace_back();
+    for (const auto& [name, value] : campaign.assignment(k))
+      for (std::size_t i = 0; i < 2; ++i)
+        if (name == grid[i].name) pair[i] = value;
+  }
   const auto ordered = [&](std::size_t which) {
-    std::vector<std::pair<std::string, int>> points;
-    for (const auto& v : values) points.emplace_back(v[which], 0);
     std::vector<std::string> out;
     std::set<std::string> seen;
-    for (const auto& [text, c] : points)
-      if (seen.insert(text).second) out.push_back(text);
+    for (const auto& v : values)
+      if (seen.insert(v[which]).second) out.push_back(v[which]);
     std::stable_sort(out.begin(), out.end(), [](const std::string& a, const std::string& b) {
       double x = 0, y = 0;
       std::string u, v;
@@ -85,11 +90,11 @@ std::string map_of(const std::string& across, const std::string& down,
   const auto rows = ordered(1);
   if (columns.size() < 2 || rows.size() < 2 || columns.size() > kMaxMapSide || rows.size() > kMaxMapSide) return {};
   std::map<std::array<std::string, 2>, std::array<std::uint64_t, 3>> cells;
-  for (std::size_t i = 0; i < values.size(); ++i) ++cells[values[i]][static_cast<std::size_t>(classes[i])];
+  for (std::size_t i = 0; i < values.size(); ++i) ++cells[values[i]][static_cast<std::size_t>(classes[first - 1 + i])];
   std::string out = fmt::format(
       "<figure><figcaption>{} across, {} down: how many failed</figcaption><div class=\"scroll\"><table "
       "class=\"map\"><tr><th></th>",
-      html_text(across), html_text(down));
+      html_text(grid[0].name), html_text(grid[1].name));
   for (const auto& c : columns) out += "<th>" + html_text(c) + "</th>";
   out += "</tr>\n";
   for (const auto& r : rows) {
@@ -191,19 +196,13 @@ std::string merged_page(const Campaign& campaign, const Results& results, const 
   std::map<std::string, std::vector<std::pair<std::string, int>>> by_axis;
   std::vector<std::pair<std::string, int>> alarms, failures;
   std::vector<std::vector<std::pair<std::string, int>>> measured(campaign.measures.size());
-  std::vector<std::array<std::string, 2>> pairs;
   std::vector<int> classes;
   for (std::uint64_t k = 1; k <= campaign.cases(); ++k) {
     const auto it = results.cases.find(k);
     const CaseResult* r = it == results.cases.end() ? nullptr : &it->second;
     const int c = class_of(r);
     classes.push_back(c);
-    std::array<std::string, 2> pair;
-    for (const auto& [name, value] : campaign.assignment(k)) {
-      by_axis[name].emplace_back(value, c);
-      if (campaign.axes().size() == 2) pair[name == campaign.axes()[0] ? 0 : 1] = value;
-    }
-    pairs.push_back(std::move(pair));
+    for (const auto& [name, value] : campaign.assignment(k)) by_axis[name].emplace_back(value, c);
     if (r == nullptr) continue;
     alarms.emplace_back(r->alarm.empty() ? "none" : r->alarm, c);
     if (!r->failures.empty()) {
@@ -214,7 +213,12 @@ std::string merged_page(const Campaign& campaign, const Results& results, const 
       if (r->measured[i]) measured[i].emplace_back(fmt::format("{:.6f}", *r->measured[i]), c);
   }
   for (const std::string& axis : campaign.axes()) page += chart(axis, bars_of(by_axis[axis]));
-  if (campaign.axes().size() == 2) page += map_of(campaign.axes()[0], campaign.axes()[1], pairs, classes);
+  std::uint64_t first = 1;
+  for (const Block& block : campaign.blocks) {
+    const std::uint64_t end = first + block.cases(kMaxCases).value();
+    if (block.grid.size() == 2) page += map_of(campaign, block.grid, first, end, classes);
+    first = end;
+  }
   page += "</div>\n<h2>What came of it</h2>\n<div class=\"charts\">\n" + chart("first alarm", bars_of(alarms));
   if (!failures.empty()) page += chart("first check that failed", bars_of(failures));
   for (std::size_t i = 0; i < measured.size(); ++i) {

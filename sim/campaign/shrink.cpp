@@ -84,7 +84,9 @@ class Shrinker {
     back_to_defaults();
     for (bool changed = true; changed && !spent();) {
       changed = false;
-      for (const Path& list : step_lists(best_, {})) changed = thin(list) || changed;
+      // A list may be in a step that goes.
+      for (std::size_t n = 0; n < step_lists(best_, {}).size(); ++n)
+        changed = thin(step_lists(best_, {})[n]) || changed;
       changed = drives() || changed;
       changed = entries({}) || changed;
       changed = numbers({}) || changed;

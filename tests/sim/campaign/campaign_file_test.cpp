@@ -75,7 +75,7 @@ TEST(CampaignFile, SaysWhatIsWrongWhereAndWhatIsAllowed) {
       {"  - grid: { speed: { from: 5 Hz, to: 9 Hz, step: 5 Hz } }\n",
        "test.yaml:17:50: step of speed is \"5 Hz\"; allowed: more than 0 Hz, up to the whole range"},
       {"  - grid: { speed: { from: 0 Hz, to: 9 Hz, count: 3, spacing: logarithmic } }\n",
-       "test.yaml:17:55: spacing of speed is logarithmic, for which both ends must be above 0."},
+       "test.yaml:17:54: spacing of speed is logarithmic, for which both ends must be above 0."},
       {"  - random: { speed: [5 Hz] }\n", "test.yaml:17:5: \"samples\" is missing"},
       {"  - { grid: { speed: [5 Hz] }, samples: 5 }\n",
        "test.yaml:17:32: \"samples\" belongs to latin_hypercube and random"},

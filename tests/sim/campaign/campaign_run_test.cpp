@@ -49,7 +49,7 @@ TEST(CampaignRun, MergedBytesAreTheSameForAnyShardsAndJobs) {
   EXPECT_EQ(merged(c, whole), merged(c, cut));
   const std::string csv = merged_csv(c, read_results(cut.path.string(), c, "test build"));
   EXPECT_NE(csv.find("\r\n7,failed,,"), std::string::npos) << csv;
-  EXPECT_NE(csv.find(",11 Hz,11,pump check: output_frequency: expected below 10.2 Hz, seen 11 Hz\r\n"),
+  EXPECT_NE(csv.find(",11 Hz,11,\"pump check: output_frequency: expected below 10.2 Hz, seen 11 Hz\"\r\n"),
             std::string::npos)
       << csv;
   const std::string junit = merged_junit(c, read_results(cut.path.string(), c, "test build"));
@@ -309,6 +309,21 @@ TEST(CampaignPage, HistogramsCountEachCaseOnce) {
   ASSERT_EQ(few.size(), 2u);
   EXPECT_EQ(few[0].label, "9 Hz");
   EXPECT_EQ(few[1].counts, (std::array<std::uint64_t, 3>{1, 1, 0}));
+}
+
+TEST(CampaignPage, GridOverTwoThingsIsAMap) {
+  const Campaign c = read("  - set: { speed: 9 Hz }\n  - grid: { speed: [5 Hz, 6 Hz], pause: [2 s, 1 s] }\n");
+  Results results;
+  for (std::uint64_t k = 1; k <= 5; ++k) {
+    CaseResult r;
+    r.verdict = k == 4 ? CaseVerdict::kFailed : CaseVerdict::kPassed;
+    results.cases[k] = r;
+  }
+  const std::string page = merged_page(c, results, "");
+  EXPECT_NE(page.find("<tr><th>1 s</th><td class=\"passed\">0</td><td class=\"passed\">0</td></tr>\n"
+                      "<tr><th>2 s</th><td class=\"passed\">0</td><td class=\"failed\">1</td></tr>"),
+            std::string::npos)
+      << page;
 }
 
 }  // namespace
