@@ -17,6 +17,7 @@
 #include "sim/campaign/shrink.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/scenario/junit.hpp"
+#include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/units.hpp"
 #include "tools/vinverter/subcommands.hpp"
 #include "vinverter_data.hpp"
@@ -46,6 +47,8 @@ std::string build_name() { return fmt::format("vinverter {} ({})", VINV_VERSION,
 campaign::CampaignRunOptions run_options(const CampaignOptions& options) {
   campaign::CampaignRunOptions out;
   out.load.catalogue = rig::shipped_catalogue();
+  out.load.masters = scenario::protocol_masters();
+  out.run.masters = out.load.masters;
   out.folder = options.out;
   out.build = build_name();
   out.jobs = options.jobs != 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
