@@ -16,6 +16,7 @@ ARROWS = {
     "sim/rig": ["sim/transports", "option_boards/boards", "motor_model/inverter"],
     "sim/masters": ["sim/transports", "option_boards/modbus", "option_boards/canopen"],
     "sim/scenario": ["sim/rig", "sim/masters"],
+    "sim/campaign": ["sim/scenario"],
     "motor_model/port": ["sim/base"],
     "motor_model/plant": ["sim/base"],
     "motor_model/drive": ["motor_model/port", "sim/base"],
@@ -29,7 +30,7 @@ ARROWS = {
     "option_boards/componet": ["option_boards/cip"],
     "option_boards/fins": ["option_boards/componet"],
     "option_boards/boards": ["option_boards/*", "motor_model/port", "sim/base"],
-    "tools/panel": ["sim/scenario"],
+    "tools/panel": ["sim/campaign"],
     "tools/vinverter": ["tools/panel"],
 }
 # Tools that are not in the chain above, and the tests, see everything; nothing includes them.

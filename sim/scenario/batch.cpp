@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 bool is_scenario(const fs::path& path) {
   if (path.extension() != ".yaml" && path.extension() != ".yml") return false;
   std::ifstream in(path);
-  bool plant_file = false;
+  bool other_file = false;  // of a plant, of a campaign
   for (std::string line; std::getline(in, line);) {
     for (const char* key : {"plant:", "steps:", "tracks:"})
       if (line.starts_with(key)) return true;
-    plant_file = plant_file || line.starts_with("drives:");
+    other_file = other_file || line.starts_with("drives:") || line.starts_with("variations:");
   }
-  return !plant_file;
+  return !other_file;
 }
 
 struct Slot {

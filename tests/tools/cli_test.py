@@ -18,7 +18,7 @@ class WrongWords(unittest.TestCase):
         self.assertIn(expected, err)
 
     def test_an_unknown_command_is_named_with_what_is_allowed(self):
-        self.refused('unknown command "rum"; allowed: run, ctl, scenario, doctor, params, schema', "rum")
+        self.refused('unknown command "rum"; allowed: run, ctl, scenario, campaign, doctor, params, schema', "rum")
 
     def test_a_duration_is_a_number_of_seconds_that_passes(self):
         for bad in ("0", "-1", "nan", "inf", "1e300", "ten"):

@@ -25,6 +25,7 @@ Examples:
   vinverter ctl conveyor_1 load torque 9 Nm     load the motor
   vinverter ctl conveyor_1 watch                its values, each second
   vinverter scenario run scenarios/fr-e500      scripted stories with checks, in virtual time
+  vinverter campaign run FILE --shard 3/8       variations of a scenario, a part of them
   vinverter params fr-e500 brake                parameters whose number, name or effect says "brake"
   vinverter doctor                              what works on this machine
 
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
   tools::add_run(app, exit_code);
   tools::add_ctl(app, exit_code);
   tools::add_scenario(app, exit_code);
+  tools::add_campaign(app, exit_code);
   tools::add_doctor(app, exit_code);
   tools::add_params(app, exit_code);
   app.add_subcommand("schema", "Print the JSON Schema of plant files")->callback([] {

@@ -15,5 +15,6 @@ void add_ctl(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 void add_params(CLI::App& app, int& exit_code);
 void add_scenario(CLI::App& app, int& exit_code);
+void add_campaign(CLI::App& app, int& exit_code);
 
 }  // namespace vinv::tools

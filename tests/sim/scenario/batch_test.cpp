@@ -41,6 +41,7 @@ TEST(Batch, FindsScenariosInFoldersAndFiltersThem) {
   folder.add("a.yaml", kBad);
   folder.add("deep/c.yml", kGood);
   folder.add("plant.yaml", "drives: [{}]\n");
+  folder.add("campaign.yaml", "# C.\nscenario: a.yaml\nvariations: []\n");
   folder.add("notes.txt", kGood);
   folder.add("broken.yaml", "steps: 5\n");
   std::vector<std::string> names;
