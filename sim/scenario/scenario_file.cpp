@@ -14,8 +14,10 @@
 #include "sim/rig/quantity.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/rig/yaml_map.hpp"
+#include "sim/scenario/node_values.hpp"
 #include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/step_reader.hpp"
+#include "sim/scenario/substitution.hpp"
 #include "sim/scenario/trial.hpp"
 
 namespace vinv::scenario {
