@@ -168,15 +168,20 @@ std::optional<Step::What> CheckReader::trip(const YAML::Node& value) const {
 std::optional<Step::What> CheckReader::expect_frame(const YAML::Node& value) const {
   const rig::YamlMap map(value, "expect_frame", &scenario_keys().at("steps[].expect_frame"), problems_);
   if (!map) return {};
-  for (const char* key : {"bytes", "within"})
-    if (!map.has(key)) {
-      problems_.add(map.at(),
-                    std::string("expect_frame lacks \"") + key + "\", as {bytes: 05 06, mask: FF FF, within: 50 ms}.");
-      return {};
-    }
+  constexpr std::string_view kForm = "{bytes: 05 06, mask: FF FF, within: 50 ms}";
+  if (!map.has("bytes")) {
+    problems_.add(map.at(), "expect_frame lacks \"bytes\", as " + std::string(kForm) + ".");
+    return {};
+  }
+  if (map.has("within") == map.has("absent_for")) {
+    problems_.add(map.at(), "expect_frame has either \"within\" or \"absent_for\", as " + std::string(kForm) + ".");
+    return {};
+  }
   ExpectFrame f;
+  f.absent = map.has("absent_for");
+  const char* const time = f.absent ? "absent_for" : "within";
   const auto bytes = read_hex(*map.find("bytes"), "bytes", problems_);
-  const auto within = read_duration(*map.find("within"), "within", Duration{}, problems_);
+  const auto within = read_duration(*map.find(time), time, Duration{}, problems_);
   if (!bytes || !within) return {};
   f.bytes = *bytes;
   f.mask = Bytes(f.bytes.size(), 0xFF);

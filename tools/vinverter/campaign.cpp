@@ -214,6 +214,15 @@ void add_campaign(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CampaignOptions>();
   CLI::App* sub = app.add_subcommand("campaign", "Run thousands of variations of a scenario, in shards");
   sub->require_subcommand(1);
+  sub->footer(R"(
+Examples:
+  vinverter campaign check scenarios/campaigns/deceleration_ov3.yaml
+  vinverter campaign run FILE --out results     all cases that have no result yet
+  vinverter campaign run FILE --out results --shard 3/8
+  vinverter campaign missing FILE --out results
+  vinverter campaign merge FILE --out results   one JUnit, HTML and CSV file
+  vinverter campaign shrink FILE 6              why case 6 fails, as small as possible
+)");
   const auto command = [&](const char* name, const char* help, int (*act)(const CampaignOptions&)) {
     CLI::App* c = sub->add_subcommand(name, help);
     c->add_option("FILE", options->file, "Campaign file")->required();

@@ -193,6 +193,17 @@ void add_scenario(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   CLI::App* sub = app.add_subcommand("scenario", "Run scripted stories with checks, in virtual time or live");
   sub->require_subcommand(1);
+  sub->footer(R"(
+Examples:
+  vinverter scenario list                       what there is, with what it shows
+  vinverter scenario run scenarios/fr-e500      of a folder all scenarios in it and below
+  vinverter scenario check my_story.yaml        every mistake of a file, without running it
+  vinverter scenario run my_story.yaml --report out --junit out/junit.xml
+  vinverter scenario run my_story.yaml --set ramp=2s --seed 7
+  vinverter scenario run my_story.yaml --live   in real time, for a real master
+
+Exit codes: 0 all passed; 1 one failed; 2 one could not run, or a report could not be written.
+)");
   const auto common = [&](CLI::App* command) {
     command->add_option("PATH", options->paths, "Scenario files, or folders with them")->required();
     command->add_option("--filter", options->filter, "Only those with this text in their path or title");
