@@ -104,7 +104,7 @@ class Inverter {
   virtual void set_ambient(double celsius) = 0;
   virtual const plant::PowerPlant& plant() const = 0;
   // Faults by name: an alarm of the family ("E.PE"), which is an event and stays until reset, or a cause
-  // ("earth_fault", "output_phase_open", "brake_transistor", "eeprom_write", "option", "external_thermal"). on = false
+  // ("earth_fault", "output_phase_open", "brake_transistor", "eeprom_write", "option", "current_sensor" ...). on = false
   // removes a cause.
   virtual Outcome inject_fault(std::string_view fault, bool on) = 0;
   virtual std::vector<std::string_view> injectable_faults() const = 0;

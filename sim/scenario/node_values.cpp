@@ -12,44 +12,6 @@ bool contains(const Keys& list, std::string_view word) {
   return std::find(list.begin(), list.end(), word) != list.end();
 }
 
-std::string flow_text(const YAML::Node& node) {
-  constexpr std::size_t kLongest = 200;
-  std::string out;
-  switch (node.Type()) {
-    case YAML::NodeType::Scalar: return node.Scalar();
-    case YAML::NodeType::Map:
-      for (const auto& pair : node) {
-        if (out.size() > kLongest) break;
-        out += (out.empty() ? "{" : ", ") + flow_text(pair.first) + ": " + flow_text(pair.second);
-      }
-      return out + "}";
-    case YAML::NodeType::Sequence:
-      for (const auto& item : node) {
-        if (out.size() > kLongest) break;
-        out += (out.empty() ? "[" : ", ") + flow_text(item);
-      }
-      return out + "]";
-    default: return "";
-  }
-}
-
-rig::Json json_of(const YAML::Node& node) {
-  switch (node.Type()) {
-    case YAML::NodeType::Scalar: return node.Scalar();
-    case YAML::NodeType::Map: {
-      rig::Json out = rig::Json::object();
-      for (const auto& pair : node) out[flow_text(pair.first)] = json_of(pair.second);
-      return out;
-    }
-    case YAML::NodeType::Sequence: {
-      rig::Json out = rig::Json::array();
-      for (const auto& item : node) out.push_back(json_of(item));
-      return out;
-    }
-    default: return {};
-  }
-}
-
 std::optional<Duration> read_duration(const YAML::Node& node, const std::string& what, Duration minimum,
                                       rig::Problems& problems) {
   constexpr double kLongest_s = 1e6;

@@ -1,4 +1,4 @@
-// Values of scenario files: times, bytes, what is shown of them, and what the command set takes.
+// Values of scenario files: times and bytes.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -10,7 +10,7 @@
 
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
-#include "sim/rig/command_values.hpp"
+#include "sim/rig/flow_value.hpp"
 #include "sim/rig/yaml_map.hpp"
 
 namespace vinv::scenario {
@@ -18,10 +18,8 @@ namespace vinv::scenario {
 using Keys = std::vector<std::string_view>;
 bool contains(const Keys& list, std::string_view word);
 
-// As a person would write it on one line.
-std::string flow_text(const YAML::Node& node);
-// All scalars as texts: that is how the command set reads quantities, numbers and switches.
-rig::Json json_of(const YAML::Node& node);
+using rig::flow_text;
+using rig::json_of;
 
 // A time from minimum up to 1000000 s.
 std::optional<Duration> read_duration(const YAML::Node& node, const std::string& what, Duration minimum,

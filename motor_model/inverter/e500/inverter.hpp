@@ -101,6 +101,8 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   void follow_causes();
   void follow_mode();
   plant::StageInput control();
+  // What the drive takes the plant to be: a sensor may have failed.
+  plant::PlantMeasurements measured() const;
   void publish();
   void change_mode(port::OperationMode next);
   InputSignals assigned(bool rl, bool rm, bool rh, bool mrs) const;

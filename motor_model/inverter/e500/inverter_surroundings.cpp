@@ -41,7 +41,7 @@ struct CauseName {
   std::string_view name;
   bool Causes::*cause;
 };
-constexpr std::array<CauseName, 7> kCauses{{
+constexpr std::array<CauseName, 10> kCauses{{
     {"earth_fault", &Causes::earth_fault},
     {"output_phase_open", &Causes::output_phase_open},
     {"brake_transistor", &Causes::brake_transistor},
@@ -49,6 +49,9 @@ constexpr std::array<CauseName, 7> kCauses{{
     {"option", &Causes::option},
     {"external_thermal", &Causes::external_thermal},
     {"pu_disconnected", &Causes::pu_disconnected},
+    {"current_sensor", &Causes::current_sensor},
+    {"dc_link_sensor", &Causes::dc_link_sensor},
+    {"heat_sink_sensor", &Causes::heat_sink_sensor},
 }};
 
 template <class T>

@@ -236,6 +236,14 @@ TEST_F(CommandsTest, WordsOfACommandLineMeanTheSameAsValues) {
   EXPECT_EQ(*words("parameter", {"Pr.7=4"}), (Json{{"Pr.7", 4.0}}));
   EXPECT_EQ(*words("parameter", {"Pr.7", "Pr.345"}), (Json{{"Pr.7", 4.0}, {"Pr.345", 1.0}}));
   ASSERT_TRUE(words("frequency", {"40", "Hz"}));
+  // As a scenario writes them, with and without braces.
+  EXPECT_EQ(*words("parameter", {"Pr.7:", "5"}), (Json{{"Pr.7", 5.0}}));
+  EXPECT_EQ(*words("terminal", {"STF:", "on,", "RH:", "off"}), (Json{{"STF", "on"}, {"RH", "off"}}));
+  EXPECT_EQ(*words("terminal", {"{STF: off, RH: on}"}), (Json{{"STF", "off"}, {"RH", "on"}}));
+  EXPECT_EQ((*words("load", {"torque:", "9", "Nm,", "over:", "2", "s"}))["torque_Nm"], 9.0);
+  ASSERT_TRUE(words("load", {"{table:", "[{at: 0 s, torque: 2 Nm}, {at: 1 s, torque: 3 Nm}]}"}));
+  EXPECT_EQ(words("load", {"{torque: 12 Nm"}).error().code, CommandCode::kInvalidValue);
+  EXPECT_EQ(words("load", {"{a: &x 1, b: *x}"}).error().message.substr(0, 17), "a value in braces");
   ASSERT_TRUE(words("fault", {"E.PE"}));
   EXPECT_EQ(words("load", {"12", "Nm"}).error().message.substr(0, 23), "\"12\" belongs to nothing");
 }
