@@ -22,8 +22,8 @@ const Keys& pace_words() {
   return words;
 }
 const Keys& own_words() {
-  static const Keys words{"check",  "reached", "ramp",   "trip", "always",     "never",       "overshoot",
-                          "rising", "falling", "follows", "repeat", "note", "send_frame", "expect_frame"};
+  static const Keys words{"check",  "reached", "ramp",    "trip",   "always", "never",      "overshoot",
+                          "rising", "falling", "follows", "repeat", "note",   "send_frame", "expect_frame"};
   return words;
 }
 bool contains(const Keys& list, std::string_view word) {
@@ -303,8 +303,9 @@ void StepReader::step(const YAML::Node& node, const Variables& variables, int de
   if (contains({"always", "never", "overshoot", "rising", "falling", "follows"}, verb->key))
     return watch(map, value, std::move(s), variables, depth, out);
   if (const auto* during = map.find("during")) {
-    problems_.add(during->key_node,
-                  "\"during\" belongs to always, never, overshoot, rising, falling and follows, not to " + verb->key + ".");
+    problems_.add(
+        during->key_node,
+        "\"during\" belongs to always, never, overshoot, rising, falling and follows, not to " + verb->key + ".");
     return;
   }
   if (contains(action_words(), verb->key)) {
@@ -563,18 +564,18 @@ bool StepReader::follows(const YAML::Node& value, const ExpectationReader& reade
     return false;
   }
   const std::string path = (std::filesystem::path(folder_) / *file).lexically_normal().string();
-  auto trace = load_trace(path);
+  auto trace = rig::load_trace(path);
   if (!trace) {
     problems_.add(*m.find("file"), path + " " + trace.error());
     return false;
   }
-  w.trace = std::make_shared<const Trace>(std::move(*trace));
+  w.trace = std::make_shared<const rig::Trace>(std::move(*trace));
   for (const auto& e : m.entries()) {
     if (e.empty || e.key == "file" || e.key == "begin") continue;
     Watch::Followed f;
     const auto what = reader.signal(e.key, e.at);
     // A report names the drive too.
-    const Trace::Column* column = w.trace->find(e.key);
+    const rig::Trace::Column* column = w.trace->find(e.key);
     if (column == nullptr) column = w.trace->find(reader.drive_name() + "." + e.key);
     if (what && column == nullptr) problems_.add(e.at, path + " has no column \"" + e.key + " " + what->unit + "\".");
     if (!what || column == nullptr) {
@@ -634,7 +635,8 @@ std::optional<Step::What> StepReader::reached(const YAML::Node& value, const Exp
     if (e.empty) return {};
     if (e.key == "terminals" || e.key == "parameters") {
       const Condition all = reader.mapping(value, "reached", {"within", "not_before"});
-      if (all.size() > 1) problems_.add(e.at, "reached waits for one thing; there are " + std::to_string(all.size()) + ".");
+      if (all.size() > 1)
+        problems_.add(e.at, "reached waits for one thing; there are " + std::to_string(all.size()) + ".");
       if (all.size() != 1) return {};
       r.target = all.front();
       continue;

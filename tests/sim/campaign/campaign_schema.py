@@ -14,9 +14,9 @@ def load(name):
         return json.load(f)
 
 
-SCHEMA, SCENARIO, PLANT = load("campaign"), load("scenario"), load("plant")
+SCHEMA, SCENARIO, PLANT = load("campaign"), load("scenario"), load("scenario-plant")
 SCHEMA["definitions"].update(SCENARIO.pop("definitions"))
-for schema, key, ref, part in ((SCENARIO, "plant", "plant", PLANT), (SCHEMA, "scenario", "scenario", SCENARIO)):
+for schema, key, ref, part in ((SCENARIO, "plant", "scenario-plant", PLANT), (SCHEMA, "scenario", "scenario", SCENARIO)):
     forms = schema["properties"][key]["anyOf"]
     forms[forms.index({"$ref": ref + ".schema.json"})] = part
 jsonschema.Draft7Validator.check_schema(SCHEMA)
