@@ -305,6 +305,8 @@ Json shaft(const Context& c) {
 
 Json motor(const Context& c) {
   const std::string word = word_of(c.value, kMotorSources, "motor");
+  if (word == "table" && c.drive.spec.voltage_table.empty())
+    invalid("motor is \"table\"; the plant file has no voltage_table for this drive.");
   demand(c.inverter().set_motor_source(*motor_source_of(word)));
   return word;
 }

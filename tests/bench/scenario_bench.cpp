@@ -83,7 +83,8 @@ double plant_seconds(const Scenario& scenario) {
       const auto* action = std::get_if<Action>(&step.what);
       if (action == nullptr || !step.via.empty() || !step.pace.at) continue;
       scheduler.schedule(scheduler.now() + *step.pace.at, kernel::Priority::kStimulus, [&, action](Instant) {
-        VINV_CHECK(rig::execute(plant, action->command, scenario.plant.drives[step.drive].name, action->value).has_value());
+        VINV_CHECK(
+            rig::execute(plant, action->command, scenario.plant.drives[step.drive].name, action->value).has_value());
       });
     }
   plant.start();

@@ -150,6 +150,7 @@ Outcome E500Inverter::set_analog(std::string_view terminal, double value) {
 
 std::vector<std::pair<std::string_view, bool>> E500Inverter::terminals() const {
   std::vector<std::pair<std::string_view, bool>> out;
+  out.reserve(kInputs.size() + kOutputs.size());
   for (const auto& [name, index] : kInputs) out.emplace_back(name, wiring_.closed[index]);
   for (const auto& [name, function] : kOutputs) {
     const auto signal = data_.signals.output(store_.integer(function));

@@ -80,7 +80,7 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
   EXPECT_EQ(bad("shaft", "blocked"), "-32602 shaft is \"blocked\"; allowed: locked, free. Did you mean \"locked\"?");
   EXPECT_EQ(bad("motor", "main"),
             "-32602 motor is \"main\"; allowed: inverter, mains, open, table. Did you mean \"mains\"?");
-  EXPECT_EQ(bad("motor", "table"), "-32000 there is no voltage table.");
+  EXPECT_EQ(bad("motor", "table"), "-32602 motor is \"table\"; the plant file has no voltage_table for this drive.");
   EXPECT_EQ(bad("fault", "E.PX"),
             "-32602 unknown word \"E.PX\" in fault; allowed: E.PE, earth_fault. Did you mean \"E.PE\"?");
   EXPECT_EQ(bad("switch", {{"SW9", 1}}), "-32000 there is no switch SW9; allowed: SW1.");
