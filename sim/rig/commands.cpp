@@ -382,7 +382,7 @@ Json status(const Context& c) {
   out["model"] = inv.model();
   out["time_s"] = to_seconds(c.plant.now());
   out["powered"] = inv.powered();
-  out["motor"] = kMotorSources[static_cast<std::size_t>(inv.plant().motor_source())];
+  out["motor_source"] = kMotorSources[static_cast<std::size_t>(inv.plant().motor_source())];
   out["ready"] = drive_port.ready();
   out["mode"] = mode_name(drive_port.operation_mode());
   out["display"] = inv.display();

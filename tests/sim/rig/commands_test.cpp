@@ -188,7 +188,7 @@ TEST_F(CommandsTest, SurroundingsFaultsAndSwitchesReachTheDrive) {
   good("fault", "E.PE");
   good("fault", {{"earth_fault", "off"}});
   good("switch", {{"SW1", "4"}});
-  EXPECT_EQ(good("status", {})["motor"], "inverter");
+  EXPECT_EQ(good("status", {})["motor_source"], "inverter");
   good("motor", "mains");
   good("key", "UP");
   good("frequency", "42.5 Hz");
@@ -198,7 +198,7 @@ TEST_F(CommandsTest, SurroundingsFaultsAndSwitchesReachTheDrive) {
   EXPECT_EQ(dynamic_cast<test::FakeBoard&>(*plant_.drives()[0]->board).sw1, 4u);
   EXPECT_DOUBLE_EQ(inverter().panel_hz, 42.5);
   EXPECT_EQ(inverter().plant().motor_source(), plant::MotorSource::kMains);
-  EXPECT_EQ(good("status", {})["motor"], "mains");
+  EXPECT_EQ(good("status", {})["motor_source"], "mains");
 }
 
 TEST_F(CommandsTest, ParametersAreReadAndWritten) {
