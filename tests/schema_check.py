@@ -11,6 +11,10 @@ def load(path):
         return json.load(f)
 
 
+def accepts(schema, text):
+    return jsonschema.Draft7Validator(schema).is_valid(yaml.safe_load(text))
+
+
 def check(schema, good, bad, good_texts=()):
     """good: paths; bad: texts. Tells what is not as it should be and ends the program."""
     jsonschema.Draft7Validator.check_schema(schema)

@@ -27,6 +27,9 @@ struct InverterConfig {
   plant::LoadSettings load;
   std::optional<plant::LossSettings> losses;  // default: typical for the motor
   std::optional<plant::MainsState> mains;     // default: nominal for the model
+  double mains_frequency_hz = 50;
+  double mains_phase_rad = 0;
+  std::vector<plant::VoltagePoint> voltage_table;  // for MotorSource::kTable
   double ambient_c = 25;
   double brake_resistance_ohm = 0;  // external brake resistor; 0: none
   std::optional<double> source_resistance_ohm;
@@ -100,6 +103,9 @@ class Inverter {
   virtual bool powered() const = 0;
   virtual void set_mains(const plant::MainsState& mains) = 0;
   virtual void set_load(const plant::LoadSettings& load) = 0;
+  // Contactors outside of the inverter: what the motor hangs on. The mains are those of set_mains(), before the
+  // breaker. Refused: a table that the config does not have.
+  virtual Outcome set_motor_source(plant::MotorSource source) = 0;
   virtual void set_shaft_locked(bool locked) = 0;
   virtual void set_ambient(double celsius) = 0;
   virtual const plant::PowerPlant& plant() const = 0;

@@ -9,6 +9,7 @@
 #include "sim/rig/can_commands.hpp"
 #include "sim/rig/command_values.hpp"
 #include "sim/rig/flow_value.hpp"
+#include "sim/rig/motor_source.hpp"
 #include "sim/rig/wire_commands.hpp"
 #include "sim/rig/words.hpp"
 
@@ -303,6 +304,14 @@ Json shaft(const Context& c) {
   return word;
 }
 
+Json motor(const Context& c) {
+  const std::string word = word_of(c.value, kMotorSources, "motor");
+  if (word == "table" && c.drive.spec.voltage_table.empty())
+    invalid("motor is \"table\"; the plant file has no voltage_table for this drive.");
+  demand(c.inverter().set_motor_source(*motor_source_of(word)));
+  return word;
+}
+
 Json fault(const Context& c) {
   const Words known = c.inverter().injectable_faults();
   Json map = c.value;
@@ -374,6 +383,7 @@ Json status(const Context& c) {
   out["model"] = inv.model();
   out["time_s"] = to_seconds(c.plant.now());
   out["powered"] = inv.powered();
+  out["motor_source"] = kMotorSources[static_cast<std::size_t>(inv.plant().motor_source())];
   out["ready"] = drive_port.ready();
   out["mode"] = mode_name(drive_port.operation_mode());
   out["display"] = inv.display();
@@ -505,6 +515,12 @@ const std::vector<Row>& rows() {
        {"torque", "linear", "quadratic", "hoist", "inertia", "over"},
        false},
       {{"shaft", true, "locked | free", "block or free the shaft", "conveyor_1 shaft locked"}, shaft, {}, false},
+      {{"motor", true, "inverter | mains | open | table",
+        "what the motor hangs on: contactors outside of the drive; table is the plant file's voltage_table",
+        "conveyor_1 motor mains"},
+       motor,
+       {},
+       false},
       {{"mains", true, "voltage: <u> V; dip: <d> % with for: <t> ms", "supply voltage; a dip lowers it by d for a time",
         "conveyor_1 mains dip 100 % for 200 ms"},
        mains,

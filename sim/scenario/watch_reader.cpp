@@ -79,18 +79,18 @@ bool WatchReader::follows(const YAML::Node& value, Watch& w) const {
     return false;
   }
   const std::string path = (std::filesystem::path(folder_) / *file).lexically_normal().string();
-  auto trace = load_trace(path);
+  auto trace = rig::load_trace(path);
   if (!trace) {
     problems_.add(*m.find("file"), path + " " + trace.error());
     return false;
   }
-  w.trace = std::make_shared<const Trace>(std::move(*trace));
+  w.trace = std::make_shared<const rig::Trace>(std::move(*trace));
   for (const auto& e : m.entries()) {
     if (e.empty || e.key == "file" || e.key == "begin") continue;
     Watch::Followed f;
     const auto what = reader_.signal(e.key, e.at);
     // A report names the drive too.
-    const Trace::Column* column = w.trace->find(e.key);
+    const rig::Trace::Column* column = w.trace->find(e.key);
     if (column == nullptr) column = w.trace->find(reader_.drive_name() + "." + e.key);
     if (what && column == nullptr) problems_.add(e.at, path + " has no column \"" + e.key + " " + what->unit + "\".");
     if (!what || column == nullptr) {

@@ -197,7 +197,7 @@ int shrink(const CampaignOptions& options) {
 void print_schema() {
   auto schema = rig::Json::parse(data::CAMPAIGN_SCHEMA);
   auto scenario = rig::Json::parse(data::SCENARIO_SCHEMA);
-  auto plant = rig::Json::parse(data::PLANT_SCHEMA);
+  auto plant = rig::Json::parse(data::SCENARIO_PLANT_SCHEMA);
   for (auto* part : {&scenario, &plant}) part->erase("$schema");
   for (auto& [name, definition] : scenario["definitions"].items()) schema["definitions"][name] = definition;
   scenario.erase("definitions");

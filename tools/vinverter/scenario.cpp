@@ -181,7 +181,7 @@ void print_schema() {
   auto schema = rig::Json::parse(data::SCENARIO_SCHEMA);
   for (rig::Json& form : schema["properties"]["plant"]["anyOf"]) {
     if (!form.contains("$ref")) continue;
-    form = rig::Json::parse(data::PLANT_SCHEMA);
+    form = rig::Json::parse(data::SCENARIO_PLANT_SCHEMA);
     form.erase("$schema");
   }
   fmt::print("{}\n", schema.dump(2));
@@ -223,7 +223,8 @@ Exit codes: 0 all passed; 1 one failed; 2 one could not run, or a report could n
   common(run_command);
   run_command->add_flag("--live", options->live, "In real time, with the plant's wires open, one after the other");
   run_command->add_option("--junit", options->junit, "Write a JUnit XML file");
-  run_command->add_option("--report", options->report, "Write HTML, CSV, candump and pcapng of each run into this folder");
+  run_command->add_option("--report", options->report,
+                          "Write HTML, CSV, candump and pcapng of each run into this folder");
   CLI::Option* seed = run_command->add_option("--seed", options->seed, "In place of the files' seeds");
   run_command->add_option("--jobs", options->jobs, "How many run at a time; default: one per processor");
   run_command->add_flag("--verbose", options->verbose, "Print all events of each run");

@@ -57,6 +57,7 @@ class E500Inverter final : public Inverter, private port::DrivePort {
   bool powered() const override;
   void set_mains(const plant::MainsState& mains) override;
   void set_load(const plant::LoadSettings& load) override { plant_.set_load(load); }
+  Outcome set_motor_source(plant::MotorSource source) override;
   void set_shaft_locked(bool locked) override { plant_.set_shaft_locked(locked); }
   void set_ambient(double celsius) override { plant_.set_ambient(celsius); }
   const plant::PowerPlant& plant() const override { return plant_; }

@@ -78,6 +78,9 @@ plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, doub
   p.comparators.under_voltage_v = m.under_voltage_v;
   p.comparators.under_voltage_clear_v = m.under_voltage_clear_v;
   p.nominal_mains_v_rms = nominal_mains_v_rms;
+  p.mains_frequency_hz = c.mains_frequency_hz;
+  p.mains_phase_rad = c.mains_phase_rad;
+  p.voltage_table = c.voltage_table;
   p.ambient_c = c.ambient_c;
   p.mains.voltage_v_rms = 0;  // the breaker is open until set_power
   return p;
@@ -85,6 +88,12 @@ plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, doub
 
 double nominal_mains(const InverterConfig& c, const ModelRow& m) {
   return c.mains && c.mains->voltage_v_rms > 0 ? c.mains->voltage_v_rms : m.voltage_class_v;
+}
+
+// What a contactor to the motor gets: nothing unless all phases are there.
+double line_v(const plant::MainsState& mains) {
+  const auto& phases = mains.phase_present;
+  return std::all_of(phases.begin(), phases.end(), [](bool there) { return there; }) ? mains.voltage_v_rms : 0;
 }
 
 }  // namespace
@@ -106,7 +115,9 @@ E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model, 
       snapshot_grid_(config.snapshot_grid),
       mains_(config.mains.value_or(plant::MainsState{.voltage_v_rms = model.voltage_class_v})),
       store_(std::move(store)),
-      plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {}
+      plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {
+  plant_.set_line(line_v(mains_));
+}
 
 // --- terminals ---
 
@@ -142,6 +153,7 @@ Outcome E500Inverter::set_analog(std::string_view terminal, double value) {
 
 std::vector<std::pair<std::string_view, bool>> E500Inverter::terminals() const {
   std::vector<std::pair<std::string_view, bool>> out;
+  out.reserve(kInputs.size() + kOutputs.size());
   for (const auto& [name, index] : kInputs) out.emplace_back(name, wiring_.closed[index]);
   for (const auto& [name, function] : kOutputs) {
     const auto signal = data_.signals.output(store_.integer(function));
@@ -173,7 +185,16 @@ void E500Inverter::set_power(bool on) {
 
 void E500Inverter::set_mains(const plant::MainsState& mains) {
   mains_ = mains;
+  plant_.set_line(line_v(mains));
   set_power(breaker_);
+}
+
+Outcome E500Inverter::set_motor_source(plant::MotorSource source) {
+  if (source == plant::MotorSource::kTable && plant_.config().voltage_table.empty()) {
+    return Unexpected(std::string("the plant file has no voltage_table for this drive"));
+  }
+  plant_.set_motor_source(source);
+  return {};
 }
 
 bool E500Inverter::powered() const { return control_alive_ || (breaker_ && rectified_v(mains_) > model_.control_on_v); }
@@ -244,6 +265,8 @@ std::vector<SignalValue> E500Inverter::signals() const {
       {"fan", p.fan ? 1.0 : 0.0, "-"},
       {"carrier", settings_.carrier_hz, "Hz"},
       {"operating_hours", hours / 3600, "h"},
+      {"motor_current", m.motor_current_a_rms, "A"},
+      {"motor_voltage", m.motor_voltage_v_rms, "V"},
   };
 }
 
@@ -267,6 +290,9 @@ Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& c
       !(config.mains->voltage_v_rms >= 0 && config.mains->voltage_v_rms <= 1.5 * model->voltage_class_v)) {
     return Unexpected("mains: a " + model->model + " takes 0 to " +
                       std::to_string(static_cast<int>(1.5 * model->voltage_class_v)) + " V");
+  }
+  if (!(config.mains_frequency_hz >= 40 && config.mains_frequency_hz <= 70)) {
+    return Unexpected(std::string("mains frequency: must be 40 to 70 Hz"));
   }
   if (config.snapshot_grid < Duration{} || config.snapshot_grid % Inverter::kControlPeriod != Duration{}) {
     return Unexpected(std::string("snapshot grid: must be a multiple of 1 ms, or 0"));

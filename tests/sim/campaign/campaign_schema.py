@@ -6,9 +6,10 @@ ROOT = sys.argv[1]
 sys.path.insert(0, ROOT + "/tests")
 import schema_check  # noqa: E402 (its folder is an argument)
 
-SCHEMA, SCENARIO, PLANT = (schema_check.load(f"{ROOT}/docs/{n}.schema.json") for n in ("campaign", "scenario", "plant"))
+SCHEMA, SCENARIO, PLANT = (
+    schema_check.load(f"{ROOT}/docs/{n}.schema.json") for n in ("campaign", "scenario", "scenario-plant"))
 SCHEMA["definitions"].update(SCENARIO.pop("definitions"))
-for schema, key, ref, part in ((SCENARIO, "plant", "plant", PLANT), (SCHEMA, "scenario", "scenario", SCENARIO)):
+for schema, key, ref, part in ((SCENARIO, "plant", "scenario-plant", PLANT), (SCHEMA, "scenario", "scenario", SCENARIO)):
     forms = schema["properties"][key]["anyOf"]
     forms[forms.index({"$ref": ref + ".schema.json"})] = part
 

@@ -78,6 +78,9 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
   EXPECT_EQ(bad("phase_loss", "L4"), "-32602 phase_loss is \"L4\"; allowed: L1, L2, L3, none.");
   EXPECT_EQ(bad("ambient", "400 C"), "-32602 ambient is \"400 C\"; allowed: -40 to 100 C.");
   EXPECT_EQ(bad("shaft", "blocked"), "-32602 shaft is \"blocked\"; allowed: locked, free. Did you mean \"locked\"?");
+  EXPECT_EQ(bad("motor", "main"),
+            "-32602 motor is \"main\"; allowed: inverter, mains, open, table. Did you mean \"mains\"?");
+  EXPECT_EQ(bad("motor", "table"), "-32602 motor is \"table\"; the plant file has no voltage_table for this drive.");
   EXPECT_EQ(bad("fault", "E.PX"),
             "-32602 unknown word \"E.PX\" in fault; allowed: E.PE, earth_fault. Did you mean \"E.PE\"?");
   EXPECT_EQ(bad("switch", {{"SW9", 1}}), "-32000 there is no switch SW9; allowed: SW1.");
@@ -185,6 +188,8 @@ TEST_F(CommandsTest, SurroundingsFaultsAndSwitchesReachTheDrive) {
   good("fault", "E.PE");
   good("fault", {{"earth_fault", "off"}});
   good("switch", {{"SW1", "4"}});
+  EXPECT_EQ(good("status", {})["motor_source"], "inverter");
+  good("motor", "mains");
   good("key", "UP");
   good("frequency", "42.5 Hz");
   EXPECT_DOUBLE_EQ(inverter().ambient_c, 45);
@@ -192,6 +197,8 @@ TEST_F(CommandsTest, SurroundingsFaultsAndSwitchesReachTheDrive) {
   EXPECT_EQ(inverter().faults, (std::map<std::string, bool>{{"E.PE", true}, {"earth_fault", false}}));
   EXPECT_EQ(dynamic_cast<test::FakeBoard&>(*plant_.drives()[0]->board).sw1, 4u);
   EXPECT_DOUBLE_EQ(inverter().panel_hz, 42.5);
+  EXPECT_EQ(inverter().plant().motor_source(), plant::MotorSource::kMains);
+  EXPECT_EQ(good("status", {})["motor_source"], "mains");
 }
 
 TEST_F(CommandsTest, ParametersAreReadAndWritten) {
