@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 
 namespace vinv {
@@ -33,6 +34,11 @@ struct CanFrame {
   }
   ByteView bytes() const { return {data.data(), remote ? std::size_t{0} : length}; }
   friend bool operator==(const CanFrame&, const CanFrame&) = default;
+  friend void archive(Archive& a, CanFrame& frame) {
+    VINV_MEMBERS(frame, id, extended, remote, length, data);
+    VINV_FIELDS(a, CanFrame, id, extended, remote, length, data);
+    a.require(length <= data.size(), "a CAN frame is longer than 8 bytes");
+  }
 };
 
 }  // namespace vinv
