@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/kernel/virtual_clock.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/scenario/units.hpp"
 
@@ -42,7 +41,8 @@ Runner::Runner(const Scenario& scenario, rig::Plant& plant, RunOptions options)
 Runner::~Runner() {
   for (const Wakeup& w : wakeups_)
     if (w.event != 0) plant_.scheduler().cancel(w.event);
-  if (tick_event_ != 0) plant_.scheduler().cancel(tick_event_);
+  for (const kernel::EventId id : {start_event_, tick_event_})
+    if (id != 0) plant_.scheduler().cancel(id);
 }
 
 void Runner::start() {
@@ -63,7 +63,7 @@ void Runner::start() {
   // The plant's own tick was scheduled for the same instants before, so that its drives have ticked by then.
   tick_event_ = scheduler.schedule_every(now + options_.recording.period, options_.recording.period,
                                          kernel::Priority::kObserver, [this](Instant at) { tick(at); });
-  scheduler.schedule(now, kernel::Priority::kStimulus, [this](Instant at) { pass(at); });
+  start_event_ = scheduler.schedule(now, kernel::Priority::kStimulus, [this](Instant at) { pass(at); });
 }
 
 void Runner::tick(Instant now) {
@@ -153,10 +153,15 @@ Runner::Progress Runner::begin_step(Instant now, std::size_t i) {
 }
 
 void Runner::wake(Instant at, std::size_t i) {
-  wakeups_[i].event = plant_.scheduler().schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) {
-    wakeups_[i].event = 0;
-    pass(now);
-  });
+  auto& scheduler = plant_.scheduler();
+  // Another track's wakeup at this instant may have come first and done what this one was for.
+  if (wakeups_[i].event != 0) scheduler.cancel(wakeups_[i].event);
+  wakeups_[i].event = scheduler.schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) { woken(now, i); });
+}
+
+void Runner::woken(Instant now, std::size_t i) {
+  wakeups_[i].event = 0;
+  pass(now);
 }
 
 Runner::Progress Runner::run_step(Instant now, std::size_t i) {
@@ -322,35 +327,5 @@ Duration Runner::patience(Duration limit) const { return options_.live ? limit +
 double Runner::widening() const { return options_.live ? scenario_.tolerance.value : 0; }
 
 const std::string& Runner::drive_name(const Step& step) const { return scenario_.plant.drives[step.drive].name; }
-
-RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options) {
-  RunResult failed;
-  failed.path = scenario.path;
-  failed.name = scenario.name;
-  failed.title = scenario.title;
-  failed.seed = options.seed.value_or(scenario.seed);
-  try {
-    kernel::Scheduler scheduler;
-    rig::PlantOptions plant_options;
-    plant_options.catalogue = catalogue;
-    rig::Plant plant(scenario.plant, scheduler, std::move(plant_options));
-    Runner runner(scenario, plant, options);
-    kernel::VirtualClock clock(scheduler);
-    runner.set_on_finished([&] { clock.stop(); });
-    plant.start();
-    runner.start();
-    try {
-      // The runner ends at the limit by itself; a second more is only for the window after a trip.
-      clock.run_until(scheduler.now() + scenario.limit + options.recording.after + std::chrono::seconds(1));
-    } catch (const plant::SolverFailure& e) {
-      runner.abort("the integration of the equations failed at " + show_time(scheduler.now()) + ": " +
-                   rig::sentence(e.what()));
-    }
-    return runner.take_result();
-  } catch (const std::exception& e) {
-    failed.reason = e.what();
-    return failed;
-  }
-}
 
 }  // namespace vinv::scenario
