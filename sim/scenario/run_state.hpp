@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::scenario {
@@ -15,10 +16,12 @@ namespace vinv::scenario {
 struct LoopState {
   std::size_t begin = 0;  // index of the RepeatBegin
   unsigned left = 0;      // rounds that still come
+  VINV_ARCHIVE(LoopState, begin, left);
 };
 
 struct TrackState {
   enum class Phase : std::uint8_t { kBegin, kTime, kWhen, kRun, kBlocked, kDone };
+  friend VINV_ENUM_RANGE(Phase, kBegin, kDone);
   Phase phase = Phase::kBegin;
   std::size_t next = 0;  // step
   std::vector<LoopState> loops;
@@ -31,6 +34,7 @@ struct TrackState {
   std::optional<double> last;
   Instant last_at{};
   std::vector<std::pair<Instant, double>> samples;
+  VINV_ARCHIVE(TrackState, phase, next, loops, since, due, begun, started, mark, last, last_at, samples);
 };
 
 struct WatchState {
@@ -43,6 +47,7 @@ struct WatchState {
   double extreme = 0;
   Instant since{};         // begin of the span
   std::string worst_name;  // of the signal with the largest part of its tolerance, which is in extreme
+  VINV_ARCHIVE(WatchState, active, failed, track, step, begun, start, extreme, since, worst_name);
 };
 
 struct RunState {
@@ -56,6 +61,7 @@ struct RunState {
   std::vector<TrackState> tracks;
   std::vector<WatchState> watches;
   std::vector<std::string> alarms;  // of each drive, at the last tick
+  VINV_ARCHIVE(RunState, start, ticks, ticked_at, acted, stopping, end_at, finished, tracks, watches, alarms);
 };
 
 }  // namespace vinv::scenario

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/kernel/virtual_clock.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/scenario/units.hpp"
 
@@ -151,12 +150,15 @@ Runner::Progress Runner::begin_step(Instant now, std::size_t i) {
 }
 
 void Runner::wake(Instant at, std::size_t i) {
-  // Another track's wakeup at this instant may have come first and done what the one that waits was for.
-  if (wakeups_[i].event != 0) plant_.scheduler().cancel(wakeups_[i].event);
-  wakeups_[i].event = plant_.scheduler().schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) {
-    wakeups_[i].event = 0;
-    pass(now);
-  });
+  auto& scheduler = plant_.scheduler();
+  // Another track's wakeup at this instant may have come first and done what this one was for.
+  if (wakeups_[i].event != 0) scheduler.cancel(wakeups_[i].event);
+  wakeups_[i].event = scheduler.schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) { woken(now, i); });
+}
+
+void Runner::woken(Instant now, std::size_t i) {
+  wakeups_[i].event = 0;
+  pass(now);
 }
 
 Runner::Progress Runner::run_step(Instant now, std::size_t i) {
@@ -332,33 +334,6 @@ RunResult not_run(const Scenario& scenario, const RunOptions& options) {
   result.title = scenario.title;
   result.seed = options.seed.value_or(scenario.seed);
   return result;
-}
-
-RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options) {
-  RunResult failed = not_run(scenario, options);
-  try {
-    kernel::Scheduler scheduler;
-    rig::PlantOptions plant_options;
-    plant_options.catalogue = catalogue;
-    plant_options.seed = failed.seed;
-    rig::Plant plant(scenario.plant, scheduler, std::move(plant_options));
-    Runner runner(scenario, plant, options);
-    kernel::VirtualClock clock(scheduler);
-    runner.set_on_finished([&] { clock.stop(); });
-    plant.start();
-    runner.start();
-    try {
-      // The runner ends at the limit by itself; a second more is only for the window after a trip.
-      clock.run_until(scheduler.now() + scenario.limit + options.recording.after + std::chrono::seconds(1));
-    } catch (const plant::SolverFailure& e) {
-      runner.abort("the integration of the equations failed at " + show_time(scheduler.now()) + ": " +
-                   rig::sentence(e.what()));
-    }
-    return runner.take_result();
-  } catch (const std::exception& e) {
-    failed.reason = e.what();
-    return failed;
-  }
 }
 
 }  // namespace vinv::scenario

@@ -48,6 +48,7 @@ struct Rig {
   void send(const CanFrame& frame) { static_cast<void>(master->send(scheduler.now(), frame)); }
   void command(const char* name, const char* drive, const std::vector<std::string>& words) {
     const auto done = execute_words(*plant, name, drive, words);
+    EXPECT_TRUE(done || done.error().code == CommandCode::kRefused) << done.error().message;
     heard += done ? done->dump() + "\n" : done.error().message + "\n";
   }
   Bytes saved() {
@@ -141,6 +142,7 @@ TEST_P(PlantSnapshot, APlantInterruptedAtTwoHundredInstantsGoesOnByteForByteAsOn
     ASSERT_EQ(relayed->saved(), one.saved()) << "instant " << i;
   }
   EXPECT_GT(std::count(one.heard.begin(), one.heard.end(), '\n'), 300);
+  EXPECT_GT(one.plant->can_line(0).bus().stats(one.scheduler.now()).faults_injected, 10u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, PlantSnapshot, testing::Range<std::uint64_t>(1, 4));
