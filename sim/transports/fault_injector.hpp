@@ -76,6 +76,7 @@ class FaultInjector : public ByteStream {
   void send(Instant now, ByteView bytes) override;
   void close() override;
   std::string name() const override;
+  std::uint32_t end_number() const override;
 
   // Rules that have acted so far.
   std::uint64_t injected() const;
