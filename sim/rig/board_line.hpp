@@ -31,6 +31,7 @@ class BoardLine {
   void add(boards::SerialChannel& channel) { channels_.push_back(&channel); }
   void connect(Instant now, std::unique_ptr<transports::ByteStream> stream, LineOptions options, OnTraffic on_traffic);
 
+  bool connected() const { return stream_ != nullptr; }
   void send(Instant now, ByteView frame);
   // Tells the carrier when the boards want other settings than before.
   void follow_settings();

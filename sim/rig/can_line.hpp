@@ -54,6 +54,9 @@ class CanLine {
   // nullptr on a bus of ours.
   const transports::CanBridge* bridge() const { return bridge_.get(); }
 
+  // Snapshots: the bus, and its controllers as they were last settled. Not of a line that is joined to another bus.
+  friend void archive(Archive& a, CanLine& line) { line.archive_state(a); }
+
  private:
   struct Controller {
     boards::CanChannel* channel = nullptr;
@@ -67,6 +70,7 @@ class CanLine {
 
   void follow_state(Instant now, Controller& controller);
   void follow_outside(Instant now);
+  void archive_state(Archive& a);
 
   transports::CanBus bus_;
   std::vector<std::unique_ptr<Controller>> controllers_;

@@ -48,7 +48,8 @@ void Plant::wire(DriveUnit& d) {
 Plant::~Plant() {
   if (tick_event_ != 0) scheduler_.cancel(tick_event_);
   for (const auto& d : drives_)
-    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released, d->load_ramp_ends})
+    for (const kernel::EventId id :
+         {d->board_event, d->dip_ends, d->power_returns, d->reset_released, d->load_ramp_ends})
       if (id != 0) scheduler_.cancel(id);
 }
 
@@ -175,6 +176,11 @@ void Plant::set_power(DriveUnit& drive, bool on) {
   settle(now(), drive);
 }
 
+void Plant::return_power(DriveUnit& drive) {
+  drive.power_returns = 0;
+  set_power(drive, true);
+}
+
 void Plant::follow_power(Instant now, DriveUnit& d) {
   const bool powered = d.inverter->powered();
   if (powered == d.board_powered || !d.board) return;
@@ -208,13 +214,15 @@ void Plant::settle(Instant now, DriveUnit& d) {
   d.board_deadline = deadline;
   d.board_event = 0;
   if (!deadline) return;
-  DriveUnit* drive = &d;
-  d.board_event = scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard, [this, drive](Instant at) {
-    drive->board_event = 0;
-    drive->board_deadline.reset();
-    drive->board->handle_timeout(at);
-    settle(at, *drive);
-  });
+  d.board_event = scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard,
+                                      [this, drive = &d](Instant at) { board_timeout(at, *drive); });
+}
+
+void Plant::board_timeout(Instant now, DriveUnit& d) {
+  d.board_event = 0;
+  d.board_deadline.reset();
+  d.board->handle_timeout(now);
+  settle(now, d);
 }
 
 void Plant::collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store) {

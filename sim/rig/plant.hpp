@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/kernel/scheduler.hpp"
 #include "sim/rig/board_line.hpp"
 #include "sim/rig/can_line.hpp"
@@ -66,11 +67,27 @@ class Plant {
 
   // The drive's own breaker; its board follows.
   void set_power(DriveUnit& drive, bool on);
+  // The end of a power cycle.
+  void return_power(DriveUnit& drive);
   // Hands out the EEPROM of each drive that has changed since the last call.
   void collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store);
   // Drives and their boards are up: nobody is in start-up. Drives without power count as up.
   bool settled() const;
   std::uint64_t ticks() const { return ticks_; }
+
+  // --- snapshots of a plant in virtual time (docs/decisions/0005-snapshots.md) ---
+
+  // Why none can be taken now, a sentence; empty if one can: before the first tick, and right after each tick on the
+  // inverters' grid, as long as nobody outside the plant is connected to it.
+  std::string snapshot_objection() const;
+  // All of it, fault plans and random numbers included. Refused with snapshot_objection().
+  Result<void, std::string> save(Bytes& out);
+  // Into a plant of the same file that has the same nodes on its CAN buses, started or not; it goes on byte for byte as
+  // the one that was saved. A refused load leaves the plant as it was. Observers' events on the scheduler are dropped.
+  Result<void, std::string> load(ByteView snapshot);
+  // As a part of a larger snapshot, with the scheduler: the owner asks snapshot_objection() before it saves or loads,
+  // archives its own events after the plant, and then calls Scheduler::archive_waiting().
+  friend void archive(Archive& a, Plant& plant) { plant.archive_state(a); }
 
  private:
   std::unique_ptr<DriveUnit> build(const DriveSpec& spec, const PlantOptions& options);
@@ -81,6 +98,10 @@ class Plant {
   void tick(Instant now);
   void settle(Instant now, DriveUnit& drive);
   void follow_power(Instant now, DriveUnit& drive);
+  void board_timeout(Instant now, DriveUnit& drive);
+  void archive_state(Archive& a);
+  void archive_drive(Archive& a, DriveUnit& drive);
+  std::string signature() const;
 
   PlantFile file_;
   kernel::Scheduler& scheduler_;

@@ -8,6 +8,8 @@
 
 #include "option_boards/modbus/tcp_session.hpp"
 #include "option_boards/modbus/unit_table.hpp"
+#include "sim/base/archive.hpp"
+#include "sim/base/check.hpp"
 #include "sim/kernel/scheduler.hpp"
 #include "sim/transports/byte_stream.hpp"
 
@@ -25,6 +27,12 @@ class TcpPort {
   // Sends the answers that have become due; after each tick of the drives.
   void poll(Instant now);
   std::size_t connections() const { return connections_.size(); }
+  // Snapshots: of a port without connections only the number of the next one is left.
+  friend void archive(Archive& a, TcpPort& port) {
+    VINV_MEMBERS(port, scheduler, units, connections, next_client);
+    VINV_CHECK(connections.empty());
+    a.io(next_client);
+  }
 
  private:
   struct Connection {

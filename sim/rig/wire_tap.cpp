@@ -39,4 +39,16 @@ void WireTap::half_open() {
   for (const auto& stream : streams_) stream.half_open();
 }
 
+void WireTap::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, scheduler, seed, faults, streams);
+  VINV_FIELDS(a, WireTap, seed, faults);
+  std::vector<transports::FaultInjector::Handle*> held;
+  for (auto& stream : streams)
+    if (stream.end_number() != 0) held.push_back(&stream);
+  const std::size_t count = a.count(held.size());
+  a.require(count == held.size(), "a wire has another number of streams");
+  if (a.failed()) return;
+  for (auto* stream : held) a.io(*stream);
+}
+
 }  // namespace vinv::rig

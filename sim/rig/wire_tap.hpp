@@ -27,7 +27,12 @@ class WireTap {
   void half_open();
   const std::vector<transports::FaultRule>& faults() const { return faults_; }
 
+  // Snapshots: of a tap whose streams are lines in memory, after the owners of these; a load expects them wrapped anew
+  // in the same order. Streams that are outside the plant are left out.
+  friend void archive(Archive& a, WireTap& tap) { tap.archive_state(a); }
+
  private:
+  void archive_state(Archive& a);
   void forget_dead();
 
   kernel::Scheduler& scheduler_;

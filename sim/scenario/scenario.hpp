@@ -98,10 +98,10 @@ struct Watch {
   };
   Kind kind = Kind::kAlways;
   std::size_t number = 0;
-  Condition all;         // kAlways, kNever
-  Observable what;       // the others
-  double target = 0;     // kOvershoot
-  double tolerance = 0;  // kOvershoot: how far beyond the target; kRising, kFalling: how far back
+  Condition all;                       // kAlways, kNever
+  Observable what;                     // the others
+  double target = 0;                   // kOvershoot
+  double tolerance = 0;                // kOvershoot: how far beyond the target; kRising, kFalling: how far back
   std::shared_ptr<const Trace> trace;  // kFollows
   std::vector<Followed> followed;
   Duration trace_begin{};  // its time at the beginning of the span

@@ -22,8 +22,8 @@ const Keys& pace_words() {
   return words;
 }
 const Keys& own_words() {
-  static const Keys words{"check",  "reached", "ramp",   "trip", "always",     "never",       "overshoot",
-                          "rising", "falling", "follows", "repeat", "note", "send_frame", "expect_frame"};
+  static const Keys words{"check",  "reached", "ramp",    "trip",   "always", "never",      "overshoot",
+                          "rising", "falling", "follows", "repeat", "note",   "send_frame", "expect_frame"};
   return words;
 }
 bool contains(const Keys& list, std::string_view word) {
@@ -303,8 +303,9 @@ void StepReader::step(const YAML::Node& node, const Variables& variables, int de
   if (contains({"always", "never", "overshoot", "rising", "falling", "follows"}, verb->key))
     return watch(map, value, std::move(s), variables, depth, out);
   if (const auto* during = map.find("during")) {
-    problems_.add(during->key_node,
-                  "\"during\" belongs to always, never, overshoot, rising, falling and follows, not to " + verb->key + ".");
+    problems_.add(
+        during->key_node,
+        "\"during\" belongs to always, never, overshoot, rising, falling and follows, not to " + verb->key + ".");
     return;
   }
   if (contains(action_words(), verb->key)) {
@@ -634,7 +635,8 @@ std::optional<Step::What> StepReader::reached(const YAML::Node& value, const Exp
     if (e.empty) return {};
     if (e.key == "terminals" || e.key == "parameters") {
       const Condition all = reader.mapping(value, "reached", {"within", "not_before"});
-      if (all.size() > 1) problems_.add(e.at, "reached waits for one thing; there are " + std::to_string(all.size()) + ".");
+      if (all.size() > 1)
+        problems_.add(e.at, "reached waits for one thing; there are " + std::to_string(all.size()) + ".");
       if (all.size() != 1) return {};
       r.target = all.front();
       continue;

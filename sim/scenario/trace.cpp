@@ -59,8 +59,8 @@ Result<Trace, std::string> parse_trace(std::string_view text) {
     }
     const auto fields = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
     if (fields != trace.columns.size() + 1)
-      return Unexpected(fmt::format("line {} has {} fields, the header {}.", line_number, fields,
-                                    trace.columns.size() + 1));
+      return Unexpected(
+          fmt::format("line {} has {} fields, the header {}.", line_number, fields, trace.columns.size() + 1));
     const auto number = [&](double& value) {
       return rig::parse_number(take_until(line, ','), value) && std::isfinite(value);
     };

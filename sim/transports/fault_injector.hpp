@@ -1,6 +1,6 @@
-// Faults on a line: a stream around a stream that drops, delays, duplicates, corrupts, reorders, truncates or splits what
-// passes, or goes dead. The same plan and the same traffic give the same faults. Order within a direction is kept, as on
-// a real stream, but for kReorder.
+// Faults on a line: a stream around a stream that drops, delays, duplicates, corrupts, reorders, truncates or splits
+// what passes, or goes dead. The same plan and the same traffic give the same faults. Order within a direction is kept,
+// as on a real stream, but for kReorder.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/kernel/scheduler.hpp"
 #include "sim/transports/byte_stream.hpp"
 #include "sim/transports/fault_trigger.hpp"
@@ -25,9 +26,11 @@ enum class Fault : std::uint8_t {
   kReorder,    // behind the next piece of its direction, but not later than FaultRule::delay
   kGarble,     // every byte: two talk at once
 };
+VINV_ENUM_RANGE(Fault, kDrop, kGarble);
 
 // Seen from our end.
 enum class Direction : std::uint8_t { kSend, kReceive };
+VINV_ENUM_RANGE(Direction, kSend, kReceive);
 
 // A piece is what one send() or one on_bytes carries.
 struct FaultRule {
@@ -36,12 +39,14 @@ struct FaultRule {
   FaultTrigger when;  // of the pieces of the direction
   Duration delay{};
   std::size_t bytes = 1;
+  VINV_ARCHIVE(FaultRule, fault, direction, when, delay, bytes);
 };
 
 // Rules act in their order on what the rules before them left.
 struct FaultPlan {
   std::uint64_t seed = 1;
   std::vector<FaultRule> rules;
+  VINV_ARCHIVE(FaultPlan, seed, rules);
 };
 
 class FaultInjector : public ByteStream {
@@ -58,8 +63,13 @@ class FaultInjector : public ByteStream {
     void clear() const;
     // The peer is gone without a word: nothing passes any more in either direction, and no end is told.
     void half_open() const;
+    // As ByteStream::end_number(); 0 of one that is not alive.
+    std::uint32_t end_number() const;
+    // Of one that is alive: its plan, how far that has come, and what it holds back. Not the stream inside.
+    friend void archive(Archive& a, Handle& handle) { handle.archive_state(a); }
 
    private:
+    void archive_state(Archive& a);
     friend class FaultInjector;
     explicit Handle(std::weak_ptr<Impl> impl) : impl_(std::move(impl)) {}
     std::weak_ptr<Impl> impl_;

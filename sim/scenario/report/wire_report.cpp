@@ -114,8 +114,10 @@ class Capture {
   void can(const WireRecord& r, const Bytes& data) {
     auto found = buses_.find(r.network);
     if (found == buses_.end()) {
-      found = buses_.emplace(r.network, encoder_.add_interface(head_, transports::kLinkTypeSocketCan,
-                                                               interface_name(r.network, "can0"))).first;
+      found = buses_
+                  .emplace(r.network, encoder_.add_interface(head_, transports::kLinkTypeSocketCan,
+                                                             interface_name(r.network, "can0")))
+                  .first;
     }
     packet(found->second, r.at, data);
   }
@@ -144,8 +146,7 @@ class Capture {
           test_net(1, static_cast<std::uint16_t>(49152 + number % 16384)),
           transports::parse_ip_endpoint(r.network).value_or(test_net(254, 502)), number,
           [this, id, &last = connection->last](TcpSide from, ByteView frame) {
-            packet(id, last, frame,
-                   from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
+            packet(id, last, frame, from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
           });
       connection->conversation->open();
     }

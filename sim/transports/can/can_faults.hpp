@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/can_frame.hpp"
 #include "sim/base/random.hpp"
 #include "sim/base/time.hpp"
@@ -40,6 +41,8 @@ struct CanFaultRule {
   Duration delay{};
   unsigned times = 1;  // kCorrupt, kErrorFrame: attempts to send it that fail
 };
+
+void archive(Archive& a, CanFaultRule& rule);
 
 struct CanFaultPlan {
   std::uint64_t seed = 1;
@@ -75,6 +78,7 @@ class CanFaultJudge {
   std::uint64_t pick(std::uint64_t bound) { return random_.below(bound); }
   // Times a rule has acted.
   std::uint64_t injected() const { return injected_; }
+  friend void archive(Archive& a, CanFaultJudge& judge);
 
  private:
   CanFaultPlan plan_;

@@ -49,7 +49,8 @@ const Mistake kMistakes[] = {
      "p.yaml:3:11: the name \"a\" is taken by the drive in line 2."},
     {"MisspeltDriveKey", "drives:\n  - name: a\n    invertor: {}\n",
      "p.yaml:3:5: unknown key \"invertor\" in drive 1; allowed: name, inverter, motor, load, mains, losses, "
-     "ideal, brake_resistor_ohm, ambient_C, solver, power, board, terminals, analog, parameters. Did you mean \"inverter\"?"},
+     "ideal, brake_resistor_ohm, ambient_C, solver, power, board, terminals, analog, parameters. Did you mean "
+     "\"inverter\"?"},
     {"KeyTwice", "drives:\n  - name: a\n    name: b\n",
      "p.yaml:3:5: \"name\" stands twice in drive 1; first in line 2."},
     {"UnknownFamily", "drives:\n  - inverter: { family: fr-e50 }\n",

@@ -78,7 +78,8 @@ TEST(Reached, InTimeNotTooEarlyAndForStates) {
            Case{"reached: { running: on, within: 1 s, not_before: 100 ms }",
                 "reached: running | on within 1 s, not before 100 ms | on after 0 s"},
            Case{"reached: { terminals: { RUN: on }, within: 10 ms }", ""},
-           Case{"reached: { terminals: { RUN: off }, within: 10 ms }", "reached: RUN | off within 10 ms | on after 10 ms"},
+           Case{"reached: { terminals: { RUN: off }, within: 10 ms }",
+                "reached: RUN | off within 10 ms | on after 10 ms"},
            Case{"reached: { parameters: { Pr.7: 0.5 }, within: 10 ms }", ""},
            Case{"reached: { parameters: { Pr.7: 0.6 }, within: 10 ms }",
                 "reached: Pr.7 | 0.6 within 10 ms | 0.5 after 10 ms"},
@@ -104,7 +105,8 @@ TEST(Ramp, TimeAndLinearityAreMeasured) {
   // One after the other, the second from where the first has ended.
   const RunResult both = run_steps(
       "  - stop\n  - ramp: { signal: output_frequency, from: 18 Hz, to: 12 Hz, time: 60 ms, tolerance: 1 ms }\n"
-      "  - ramp: { signal: output_frequency, from: 12 Hz, to: 8 Hz, time: 40 ms, tolerance: 1 ms, linearity: 0.1 Hz }\n");
+      "  - ramp: { signal: output_frequency, from: 12 Hz, to: 8 Hz, time: 40 ms, tolerance: 1 ms, linearity: 0.1 Hz "
+      "}\n");
   EXPECT_EQ(both.verdict, Verdict::kPassed) << failures(both);
   EXPECT_EQ(both.checks.size(), 3u);
   // An S pattern takes the same time and is not straight.

@@ -7,7 +7,8 @@ namespace vinv::scenario {
 namespace {
 
 TEST(Trace, ReadsCommentsHeaderAndRows) {
-  const auto t = parse_trace("# where from\r\ntime_s,speed rpm,fan.torque Nm,run_state\r\n0,0,1,2\r\n0.5,100,3,2\r\n2,400,0,2\r\n");
+  const auto t = parse_trace(
+      "# where from\r\ntime_s,speed rpm,fan.torque Nm,run_state\r\n0,0,1,2\r\n0.5,100,3,2\r\n2,400,0,2\r\n");
   ASSERT_TRUE(t.has_value()) << t.error();
   ASSERT_EQ(t->columns.size(), 3u);
   const Trace::Column* speed = t->find("speed");

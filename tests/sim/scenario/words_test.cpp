@@ -54,7 +54,8 @@ TEST(Words, EachActsAsAtTheControlSocket) {
   }
   // Only a master can be told these.
   for (const std::string_view word : {"clear_alarms", "monitor", "quick_stop", "silence"}) {
-    EXPECT_THROW(read(std::string(kHead) + kRunning + "  - " + std::string(word) + ": on\n"), ScenarioFileError) << word;
+    EXPECT_THROW(read(std::string(kHead) + kRunning + "  - " + std::string(word) + ": on\n"), ScenarioFileError)
+        << word;
     told.insert(word);
   }
   EXPECT_EQ(told, std::set<std::string_view>(action_words().begin(), action_words().end()));
