@@ -351,6 +351,7 @@ void FaultInjector::Handle::archive_state(Archive& a) {
 
 std::uint32_t FaultInjector::end_number() const { return impl_->inner->end_number(); }
 std::string FaultInjector::name() const { return impl_->inner->name(); }
+std::uint32_t FaultInjector::end_number() const { return impl_->inner->end_number(); }
 std::uint64_t FaultInjector::injected() const { return impl_->injected; }
 
 }  // namespace vinv::transports
