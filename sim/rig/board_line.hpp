@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "option_boards/boards/option_board.hpp"
+#include "sim/rig/wire_tap.hpp"
 #include "sim/transports/byte_stream.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::rig {
 
@@ -36,7 +38,14 @@ class BoardLine {
   // Tells the carrier when the boards want other settings than before.
   void follow_settings();
 
+  // Something outside the plant carries its bytes: a snapshot leaves it out.
+  bool is_outside() const { return stream_ != nullptr && stream_->end_number() == 0; }
+  // Snapshots: after the boards and the net of which the line's carrier is, if any. A load wraps it anew by the tap,
+  // which is archived after it.
+  void archive(Archive& a, transports::MemoryNet& net, WireTap& tap, const OnTraffic& on_traffic);
+
  private:
+  void listen();
   void handle_bytes(Instant now, ByteView bytes, bool line_error);
 
   std::vector<boards::SerialChannel*> channels_;

@@ -11,6 +11,7 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
     : file_(std::move(file)),
       scheduler_(scheduler),
       clock_(std::move(options.clock)),
+      net_(scheduler),
       lines_(file_.serial.size()),
       drives_on_line_(file_.serial.size()),
       serial_taps_(file_.serial.size(), WireTap(scheduler)),
@@ -147,9 +148,13 @@ DriveUnit* Plant::find(std::string_view name) {
 }
 
 void Plant::connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options) {
-  lines_[line].connect(now(), serial_taps_[line].wrap(std::move(stream)), std::move(options), [this, line](Instant at) {
+  lines_[line].connect(now(), serial_taps_[line].wrap(std::move(stream)), std::move(options), traffic_of(line));
+}
+
+BoardLine::OnTraffic Plant::traffic_of(std::size_t line) {
+  return [this, line](Instant at) {
     for (DriveUnit* d : drives_on_line_[line]) settle(at, *d);
-  });
+  };
 }
 
 void Plant::accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream) {

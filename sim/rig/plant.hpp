@@ -21,6 +21,7 @@
 #include "sim/rig/plant_file.hpp"
 #include "sim/rig/tcp_port.hpp"
 #include "sim/rig/wire_tap.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::rig {
 
@@ -58,6 +59,8 @@ class Plant {
   // Wires, by their index in the plant file.
   void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
+  // Lines in memory that snapshots hold, for masters in virtual time.
+  transports::MemoryNet& net() { return net_; }
   CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
   // The bus that the drive's board hangs on; nullptr if none.
   CanLine* can_line_of(const DriveUnit& drive);
@@ -78,15 +81,16 @@ class Plant {
   // --- snapshots of a plant in virtual time (docs/decisions/0005-snapshots.md) ---
 
   // Why none can be taken now, a sentence; empty if one can: before the first tick, and right after each tick on the
-  // inverters' grid, as long as nobody outside the plant is connected to it.
+  // inverters' grid, as long as nobody outside the plant is connected to it. Lines in memory of net() are inside.
   std::string snapshot_objection() const;
   // All of it, fault plans and random numbers included. Refused with snapshot_objection().
   Result<void, std::string> save(Bytes& out);
   // Into a plant of the same file that has the same nodes on its CAN buses, started or not; it goes on byte for byte as
   // the one that was saved. A refused load leaves the plant as it was. Observers' events on the scheduler are dropped.
   Result<void, std::string> load(ByteView snapshot);
-  // As a part of a larger snapshot, with the scheduler: the owner asks snapshot_objection() before it saves or loads,
-  // archives its own events after the plant, and then calls Scheduler::archive_waiting().
+  // As a part of a larger snapshot, with scheduler and net: the owner asks snapshot_objection() before it saves or
+  // loads, archives its own ends of lines and its events after the plant, and then calls MemoryNet::archive_owners()
+  // and Scheduler::archive_waiting().
   friend void archive(Archive& a, Plant& plant) { plant.archive_state(a); }
 
  private:
@@ -99,6 +103,7 @@ class Plant {
   void settle(Instant now, DriveUnit& drive);
   void follow_power(Instant now, DriveUnit& drive);
   void board_timeout(Instant now, DriveUnit& drive);
+  BoardLine::OnTraffic traffic_of(std::size_t line);
   void archive_state(Archive& a);
   void archive_drive(Archive& a, DriveUnit& drive);
   std::string signature() const;
@@ -107,6 +112,7 @@ class Plant {
   kernel::Scheduler& scheduler_;
   std::function<Instant()> clock_;
   std::vector<std::unique_ptr<DriveUnit>> drives_;
+  transports::MemoryNet net_;
   std::vector<BoardLine> lines_;
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;

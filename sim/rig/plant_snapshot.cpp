@@ -14,6 +14,7 @@ struct Whole {
   kernel::Scheduler& scheduler;
   friend void archive(Archive& a, Whole& whole) {
     a.io(whole.plant);
+    whole.plant.net().archive_owners(a);
     whole.scheduler.archive_waiting(a);
   }
 };
@@ -22,11 +23,11 @@ struct Whole {
 
 std::string Plant::snapshot_objection() const {
   for (std::size_t i = 0; i < ports_.size(); ++i)
-    if (ports_[i]->connections() > 0)
-      return "a snapshot does not hold the connections of clients: " + std::to_string(ports_[i]->connections()) +
+    if (ports_[i]->outside() > 0)
+      return "a snapshot does not hold the connections of clients: " + std::to_string(ports_[i]->outside()) +
              " are open at Modbus/TCP port " + std::to_string(file_.tcp[i].port) + ".";
   for (std::size_t i = 0; i < lines_.size(); ++i)
-    if (lines_[i].connected())
+    if (lines_[i].is_outside())
       return "a snapshot does not hold what is outside the plant: serial line " + file_.serial[i].name +
              " is connected.";
   for (const auto& bus : buses_)
@@ -84,13 +85,17 @@ void Plant::archive_drive(Archive& a, DriveUnit& drive) {
 }
 
 void Plant::archive_state(Archive& a) {
-  // Lines and who is on them are what the file says; nobody is connected to them.
-  VINV_MEMBERS(*this, file, scheduler, clock, drives, lines, drives_on_line, ports, buses, serial_taps, tcp_taps,
+  // Who is on which line is what the file says.
+  VINV_MEMBERS(*this, file, scheduler, clock, drives, net, lines, drives_on_line, ports, buses, serial_taps, tcp_taps,
                tick_event, ticks);
   a.must_match("plant", signature());
   a.io(scheduler);
+  a.io(net);
+  if (a.loads())
+    for (const auto& port : ports) port->drop();
   for (const auto& d : drives) archive_drive(a, *d);
-  for (const auto& port : ports) a.io(*port);
+  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].archive(a, net, serial_taps[i], traffic_of(i));
+  for (std::size_t i = 0; i < ports.size(); ++i) ports[i]->archive(a, net, tcp_taps[i]);
   for (WireTap& tap : serial_taps) a.io(tap);
   for (WireTap& tap : tcp_taps) a.io(tap);
   for (const auto& bus : buses) a.io(*bus);
