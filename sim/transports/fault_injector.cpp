@@ -349,7 +349,6 @@ void FaultInjector::Handle::archive_state(Archive& a) {
   impl->archive_state(a);
 }
 
-std::uint32_t FaultInjector::end_number() const { return impl_->inner->end_number(); }
 std::string FaultInjector::name() const { return impl_->inner->name(); }
 std::uint32_t FaultInjector::end_number() const { return impl_->inner->end_number(); }
 std::uint64_t FaultInjector::injected() const { return impl_->injected; }
