@@ -29,6 +29,12 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
   }
 }
 
+void Plant::reseed(std::uint64_t seed) {
+  for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].reseed(seed + i);
+  for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].reseed(seed + i);
+  for (std::size_t i = 0; i < buses_.size(); ++i) buses_[i]->reseed(seed + i);
+}
+
 // The board is fitted.
 void Plant::wire(DriveUnit& d) {
   const BoardSpec& spec = *d.spec.board;

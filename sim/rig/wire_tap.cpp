@@ -39,6 +39,11 @@ void WireTap::half_open() {
   for (const auto& stream : streams_) stream.half_open();
 }
 
+void WireTap::reseed(std::uint64_t seed) {
+  seed_ = seed;
+  for (const auto& stream : streams_) stream.reseed(seed);
+}
+
 void WireTap::archive_state(Archive& a) {
   VINV_MEMBERS(*this, scheduler, seed, faults, streams);
   VINV_FIELDS(a, WireTap, seed, faults);

@@ -19,6 +19,8 @@ class WireTap {
 
   // Of the chance by which faults strike streams that come later; 1 until set.
   void set_seed(std::uint64_t seed) { seed_ = seed; }
+  // Of those that there are, too.
+  void reseed(std::uint64_t seed);
   // Lasts until it is cleared, on connections to come too, each of which counts for itself. A rule takes the place of
   // one with the same fault and direction; one that never acts only removes that.
   void set_fault(const transports::FaultRule& rule);

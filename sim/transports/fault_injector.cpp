@@ -338,6 +338,13 @@ void FaultInjector::Handle::half_open() const {
   if (const auto impl = impl_.lock()) impl->half_open = true;
 }
 
+void FaultInjector::Handle::reseed(std::uint64_t seed) const {
+  const auto impl = impl_.lock();
+  if (!impl) return;
+  impl->plan.seed = seed;
+  impl->random = Random(seed);
+}
+
 std::uint32_t FaultInjector::Handle::end_number() const {
   const auto impl = impl_.lock();
   return impl ? impl->inner->end_number() : 0;

@@ -63,6 +63,8 @@ class FaultInjector : public ByteStream {
     void clear() const;
     // The peer is gone without a word: nothing passes any more in either direction, and no end is told.
     void half_open() const;
+    // Chance begins anew; what the rules have counted stays.
+    void reseed(std::uint64_t seed) const;
     // As ByteStream::end_number(); 0 of one that is not alive.
     std::uint32_t end_number() const;
     // Of one that is alive: its plan, how far that has come, and what it holds back. Not the stream inside.
