@@ -30,7 +30,7 @@ void ModbusStation::connect(Instant now) {
 void ModbusStation::listen() {
   stream_->set_handlers(
       [this](Instant at, ByteView bytes, bool line_error) {
-        log(at, false, Bytes(bytes.begin(), bytes.end()));
+        log(at, false, Bytes(bytes.begin(), bytes.end()), connection());
         if (!silent()) master_.handle_bytes(at, bytes, line_error);
         settle(at);
       },
@@ -51,6 +51,12 @@ void ModbusStation::archive(Archive& a) {
   if (a.loads() && !a.failed() && stream_ != nullptr) listen();
 }
 
+// Both ends of a line in memory have one number.
+std::uint32_t ModbusStation::connection() const {
+  const bool tcp = master_.settings().framing == ModbusFraming::kTcp;
+  return tcp && stream_ != nullptr ? stream_->end_number() / 2 : 0;
+}
+
 void ModbusStation::disconnect(Instant now) {
   master_.handle_disconnected();
   state_.redial_at = now + kRedialDelay;
@@ -58,7 +64,7 @@ void ModbusStation::disconnect(Instant now) {
 
 void ModbusStation::transmit(Instant now, ByteView frame) {
   if (silent() || stream_ == nullptr) return;
-  log(now, true, Bytes(frame.begin(), frame.end()));
+  log(now, true, Bytes(frame.begin(), frame.end()), connection());
   stream_->send(now, frame);
 }
 

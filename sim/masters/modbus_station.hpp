@@ -44,6 +44,7 @@ class ModbusStation : public Station, private Access {
   std::optional<Instant> work(Instant now) override;
   void connect(Instant now);
   void listen();
+  std::uint32_t connection() const;
   void disconnect(Instant now);
   void transmit(Instant now, ByteView frame);
 

@@ -23,8 +23,8 @@ void Station::set_silent(Instant now, bool silent) {
   settle(now);
 }
 
-void Station::log(Instant now, bool sent, Bytes bytes) {
-  if (on_wire_) on_wire_({now, sent, bytes});
+void Station::log(Instant now, bool sent, Bytes bytes, std::uint32_t connection) {
+  if (on_wire_) on_wire_({now, sent, bytes, connection});
   if (sent || silent_) return;
   if (frames_.size() >= kMaxFrames) frames_.erase(frames_.begin());
   frames_.push_back(std::move(bytes));

@@ -23,6 +23,7 @@ struct WireFrame {
   Instant at;
   bool sent = false;  // by this master
   Bytes bytes;
+  std::uint32_t connection = 0;  // tells the TCP connections of a plant apart
 };
 
 class Station {
@@ -61,7 +62,7 @@ class Station {
   virtual std::optional<Instant> work(Instant now) = 0;
   // After anything that happened.
   void settle(Instant now);
-  void log(Instant now, bool sent, Bytes bytes);
+  void log(Instant now, bool sent, Bytes bytes, std::uint32_t connection = 0);
 
  private:
   void wake(Instant now);

@@ -45,7 +45,8 @@ struct WireRecord {
   std::string sender;    // "master", or the name of a drive
   std::uint32_t id = 0;  // CAN identifier, with the flags of SocketCAN
   Bytes bytes;
-  VINV_ARCHIVE(WireRecord, at, kind, network, sender, id, bytes);
+  std::uint32_t connection = 0;  // TCP: tells the connections of a network apart
+  VINV_ARCHIVE(WireRecord, at, kind, network, sender, id, bytes, connection);
 };
 
 struct Recording {

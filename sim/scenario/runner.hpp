@@ -101,6 +101,7 @@ class Runner {
   // runner_snapshot.cpp
   void archive_state(Archive& a);
   void check_loaded(Archive& a) const;
+  void check_loops(Archive& a, std::size_t track) const;
   void archive_watches(Archive& a);
   std::string story(std::size_t track) const;
   Result<void, std::string> make_master(const std::string& name);

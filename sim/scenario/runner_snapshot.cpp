@@ -91,13 +91,20 @@ void Runner::archive_state(Archive& a) {
   if (a.loads()) check_loaded(a);
   if (a.failed()) return;
   for (std::size_t i = 0; i < scenario.tracks.size(); ++i) {
+    if (a.failed()) return;
     const std::string so_far = story(i);
     a.must_match("scenario: it has other steps before this instant",
                  snapshot_checksum({reinterpret_cast<const std::uint8_t*>(so_far.data()), so_far.size()}));
+    check_loops(a, i);
   }
   // Only now: the steps that began them are the same.
   archive_watches(a);
-  for (const auto& observer : observers) a.io(*observer);
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    a.io(*observers[i]);
+    const Snapshot& is = observers[i]->seen();
+    a.require(before[i].signals.size() == is.signals.size() && before[i].terminals.size() == is.terminals.size(),
+              "a drive had other signals or terminals");
+  }
   a.io(*recorder);
 
   // Those that the snapshot has; the others have done nothing yet.
@@ -132,6 +139,20 @@ void Runner::archive_state(Archive& a) {
   if (saved_seed != seed) plant.reseed(seed);
 }
 
+// Of steps that are those of the snapshot: the loops that a track is in are those around its step.
+void Runner::check_loops(Archive& a, std::size_t track) const {
+  const std::vector<Step>& steps = scenario_.tracks[track].steps;
+  const TrackState& t = state_.tracks[track];
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < std::min(t.next, steps.size()); ++i) {
+    if (std::holds_alternative<RepeatBegin>(steps[i].what)) open.push_back(i);
+    if (std::holds_alternative<RepeatEnd>(steps[i].what)) open.pop_back();
+  }
+  a.require(std::equal(open.begin(), open.end(), t.loops.begin(), t.loops.end(),
+                       [](std::size_t begin, const LoopState& loop) { return begin == loop.begin; }),
+            "a track repeats what there is not");
+}
+
 // All that a run uses as an index.
 void Runner::check_loaded(Archive& a) const {
   const auto& tracks = scenario_.tracks;
@@ -145,10 +166,6 @@ void Runner::check_loaded(Archive& a) const {
     const bool at_step = t.phase != TrackState::Phase::kDone && t.phase != TrackState::Phase::kBegin;
     const bool exists = at_step ? t.next < tracks[i].steps.size() : t.next <= tracks[i].steps.size();
     if (!exists) return a.fail("the snapshot is of another scenario: it has come further than this one goes");
-    for (const LoopState& loop : t.loops)
-      a.require(
-          loop.begin < tracks[i].steps.size() && std::holds_alternative<RepeatBegin>(tracks[i].steps[loop.begin].what),
-          "a track repeats what there is not");
   }
   for (const auto& [via, track] : master_user_)
     a.require(masters_.count(via) > 0 && track < tracks.size(), "a master is used by nobody");

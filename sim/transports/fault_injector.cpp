@@ -92,13 +92,8 @@ struct Late {
   std::string reason;
 };
 
-// All that an injector remembers.
+// All that an injector remembers, but for its course.
 struct Data {
-  explicit Data(FaultPlan p) : plan(std::move(p)), counts(plan.rules.size()), random(plan.seed) {}
-
-  FaultPlan plan;
-  std::vector<FaultCount> counts;  // by rule
-  Random random;
   std::array<Lane, 2> lanes{};
   std::deque<Late> late;  // in the order of their numbers
   std::uint64_t next_late = 0;
@@ -111,8 +106,8 @@ struct Data {
 }  // namespace
 
 struct FaultInjector::Impl : Data, std::enable_shared_from_this<Impl> {
-  Impl(kernel::Scheduler& s, std::unique_ptr<ByteStream> i, FaultPlan p)
-      : Data(std::move(p)), scheduler(s), inner(std::move(i)) {}
+  Impl(kernel::Scheduler& s, std::unique_ptr<ByteStream> i, std::shared_ptr<FaultCourse> c)
+      : scheduler(s), inner(std::move(i)), course(std::move(c)) {}
   ~Impl() {
     for (const Lane& l : lanes)
       if (l.release != 0) scheduler.cancel(l.release);
@@ -126,6 +121,7 @@ struct FaultInjector::Impl : Data, std::enable_shared_from_this<Impl> {
   void pass(Direction direction, Instant now, ByteView bytes, bool line_error) {
     if (closed || half_open) return;
     Lane& l = lane(direction);
+    auto& [plan, counts, random] = *course;
     if (plan.rules.empty() && l.delayed == 0 && !l.held) return deliver(direction, now, bytes, line_error);
     Pieces pieces{{Duration{}, Bytes(bytes.begin(), bytes.end())}};
     std::optional<Duration> hold;
@@ -249,10 +245,8 @@ struct FaultInjector::Impl : Data, std::enable_shared_from_this<Impl> {
 
   void archive_state(Archive& a) {
     // The stream inside and the handlers are there before the load.
-    VINV_MEMBERS(static_cast<Data&>(*this), plan, counts, random, lanes, late, next_late, injected, closed, half_open,
-                 overflowed);
-    VINV_FIELDS(a, FaultInjector, plan, counts, random, next_late, injected, closed, half_open, overflowed);
-    a.require(counts.size() == plan.rules.size(), "a fault plan has more or fewer counts than rules");
+    VINV_MEMBERS(static_cast<Data&>(*this), lanes, late, next_late, injected, closed, half_open, overflowed);
+    VINV_FIELDS(a, FaultInjector, next_late, injected, closed, half_open, overflowed);
     for (const Direction direction : {Direction::kSend, Direction::kReceive}) {
       Lane& l = lane(direction);
       VINV_MEMBERS(l, delayed, delayed_bytes, last_at, held, release);
@@ -284,11 +278,16 @@ struct FaultInjector::Impl : Data, std::enable_shared_from_this<Impl> {
 
   kernel::Scheduler& scheduler;
   std::unique_ptr<ByteStream> inner;
+  std::shared_ptr<FaultCourse> course;
   StreamHandlers handlers;
 };
 
 FaultInjector::FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner, FaultPlan plan)
-    : impl_(std::make_shared<Impl>(scheduler, std::move(inner), std::move(plan))) {}
+    : FaultInjector(scheduler, std::move(inner), std::make_shared<FaultCourse>(std::move(plan))) {}
+
+FaultInjector::FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner,
+                             std::shared_ptr<FaultCourse> course)
+    : impl_(std::make_shared<Impl>(scheduler, std::move(inner), std::move(course))) {}
 
 FaultInjector::~FaultInjector() {
   close();
@@ -320,29 +319,8 @@ void FaultInjector::close() {
   if (!impl_->half_open) impl_->inner->close();
 }
 
-void FaultInjector::Handle::add(const FaultRule& rule) const {
-  const auto impl = impl_.lock();
-  if (!impl) return;
-  impl->plan.rules.push_back(rule);
-  impl->counts.emplace_back();
-}
-
-void FaultInjector::Handle::clear() const {
-  const auto impl = impl_.lock();
-  if (!impl) return;
-  impl->plan.rules.clear();
-  impl->counts.clear();
-}
-
 void FaultInjector::Handle::half_open() const {
   if (const auto impl = impl_.lock()) impl->half_open = true;
-}
-
-void FaultInjector::Handle::reseed(std::uint64_t seed) const {
-  const auto impl = impl_.lock();
-  if (!impl) return;
-  impl->plan.seed = seed;
-  impl->random = Random(seed);
 }
 
 std::uint32_t FaultInjector::Handle::end_number() const {

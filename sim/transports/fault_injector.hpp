@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/base/archive.hpp"
+#include "sim/base/random.hpp"
 #include "sim/kernel/scheduler.hpp"
 #include "sim/transports/byte_stream.hpp"
 #include "sim/transports/fault_trigger.hpp"
@@ -49,6 +50,33 @@ struct FaultPlan {
   VINV_ARCHIVE(FaultPlan, seed, rules);
 };
 
+// A plan and how far it has come. Streams that follow each other on one wire share it: the third frame is the third of
+// the wire, whatever connections were made.
+struct FaultCourse {
+  explicit FaultCourse(FaultPlan p) : plan(std::move(p)), counts(plan.rules.size()), random(plan.seed) {}
+  // Counts and chance begin anew.
+  void restart(FaultPlan p) { *this = FaultCourse(std::move(p)); }
+  // Chance begins anew; what the rules have counted stays.
+  void reseed(std::uint64_t seed) {
+    plan.seed = seed;
+    random = Random(seed);
+  }
+  // Behind the rules there are; pieces are counted for it from now on.
+  void add(const FaultRule& rule) {
+    plan.rules.push_back(rule);
+    counts.emplace_back();
+  }
+
+  FaultPlan plan;
+  std::vector<FaultCount> counts;  // by rule
+  Random random;
+  friend void archive(Archive& a, FaultCourse& course) {
+    VINV_MEMBERS(course, plan, counts, random);
+    VINV_FIELDS(a, FaultCourse, plan, counts, random);
+    a.require(counts.size() == plan.rules.size(), "a fault plan has more or fewer counts than rules");
+  }
+};
+
 class FaultInjector : public ByteStream {
  private:
   struct Impl;
@@ -58,16 +86,11 @@ class FaultInjector : public ByteStream {
   class Handle {
    public:
     bool alive() const { return !impl_.expired(); }
-    // Behind the rules there are; pieces are counted from now on.
-    void add(const FaultRule& rule) const;
-    void clear() const;
     // The peer is gone without a word: nothing passes any more in either direction, and no end is told.
     void half_open() const;
-    // Chance begins anew; what the rules have counted stays.
-    void reseed(std::uint64_t seed) const;
     // As ByteStream::end_number(); 0 of one that is not alive.
     std::uint32_t end_number() const;
-    // Of one that is alive: its plan, how far that has come, and what it holds back. Not the stream inside.
+    // Of one that is alive: what it holds back. Not its course, nor the stream inside.
     friend void archive(Archive& a, Handle& handle) { handle.archive_state(a); }
 
    private:
@@ -79,6 +102,7 @@ class FaultInjector : public ByteStream {
 
   // The scheduler outlives the stream.
   FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner, FaultPlan plan);
+  FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner, std::shared_ptr<FaultCourse> course);
   ~FaultInjector() override;
   FaultInjector(const FaultInjector&) = delete;
   FaultInjector& operator=(const FaultInjector&) = delete;
