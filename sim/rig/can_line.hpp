@@ -41,6 +41,11 @@ class CanLine {
 
   // Of the chance by which later faults strike; 1 until set.
   void set_seed(std::uint64_t seed) { seed_ = seed; }
+  // Of those that there are, too.
+  void reseed(std::uint64_t seed) {
+    seed_ = seed;
+    bus_.reseed(seed);
+  }
   // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
   // one that never acts only removes that.
   void set_fault(const transports::CanFaultRule& rule);

@@ -90,6 +90,8 @@ class Plant {
   // Into a plant of the same file that has the same nodes on its CAN buses, started or not; it goes on byte for byte as
   // the one that was saved. A refused load leaves the plant as it was. Observers' events on the scheduler are dropped.
   Result<void, std::string> load(ByteView snapshot);
+  // Another PlantOptions::seed from here on: a continuation with other luck.
+  void reseed(std::uint64_t seed);
   // As a part of a larger snapshot, with scheduler and net: the owner asks snapshot_objection() before it saves or
   // loads, archives its own ends of lines and its events after the plant, and then calls MemoryNet::archive_owners()
   // and Scheduler::archive_waiting().

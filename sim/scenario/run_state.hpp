@@ -61,7 +61,11 @@ struct RunState {
   std::vector<TrackState> tracks;
   std::vector<WatchState> watches;
   std::vector<std::string> alarms;  // of each drive, at the last tick
-  VINV_ARCHIVE(RunState, start, ticks, ticked_at, acted, stopping, end_at, finished, tracks, watches, alarms);
+  // Watches are archived by their steps, apart.
+  friend void archive(Archive& a, RunState& state) {
+    VINV_MEMBERS(state, start, ticks, ticked_at, acted, stopping, end_at, finished, tracks, watches, alarms);
+    VINV_FIELDS(a, RunState, start, ticks, ticked_at, acted, stopping, end_at, finished, tracks, alarms);
+  }
 };
 
 }  // namespace vinv::scenario

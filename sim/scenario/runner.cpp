@@ -48,19 +48,24 @@ void Runner::start() {
   state_.start = now;
   for (TrackState& t : state_.tracks) t.since = now;
   for (const Track& track : scenario_.tracks)
-    for (const Step& step : track.steps) {
-      if (step.via.empty() || masters_.count(step.via) > 0) continue;
-      const auto kind = std::find_if(options_.masters.begin(), options_.masters.end(),
-                                     [&](const MasterKind& m) { return m.name == step.via; });
-      if (kind == options_.masters.end()) throw std::runtime_error("there is no master \"" + step.via + "\".");
-      auto made = kind->make({plant_, result_.seed, [this](WireRecord r) { recorder_->add_wire(std::move(r)); }});
-      if (!made) throw std::runtime_error("the master " + step.via + " cannot start: " + rig::sentence(made.error()));
-      masters_[step.via] = std::move(made).value();
-    }
+    for (const Step& step : track.steps)
+      if (const auto made = make_master(step.via); !made) throw std::runtime_error(made.error());
   // The plant's own tick was scheduled for the same instants before, so that its drives have ticked by then.
   tick_event_ = scheduler.schedule_every(now + options_.recording.period, options_.recording.period,
                                          kernel::Priority::kObserver, [this](Instant at) { tick(at); });
   start_event_ = scheduler.schedule(now, kernel::Priority::kStimulus, [this](Instant at) { pass(at); });
+}
+
+// A name that is empty means nobody.
+Result<void, std::string> Runner::make_master(const std::string& name) {
+  if (name.empty() || masters_.count(name) > 0) return {};
+  const auto kind = std::find_if(options_.masters.begin(), options_.masters.end(),
+                                 [&](const MasterKind& m) { return m.name == name; });
+  if (kind == options_.masters.end()) return Unexpected("there is no master \"" + name + "\".");
+  auto made = kind->make({plant_, result_.seed, [this](WireRecord r) { recorder_->add_wire(std::move(r)); }});
+  if (!made) return Unexpected("the master " + name + " cannot start: " + rig::sentence(made.error()));
+  masters_[name] = std::move(made).value();
+  return {};
 }
 
 void Runner::tick(Instant now) {

@@ -51,8 +51,10 @@ class Runner {
 
   // Why the run cannot be saved now, beside what its plant objects to; empty if it can.
   std::string snapshot_objection() const;
+  // Before the plant, which is to find the nodes and connections of the masters.
+  void archive_masters(Archive& a);
   // Position of all tracks, what they wait for, checks, events and recording; after the plant. The scenario that loads
-  // has the same steps as the one that was saved as far as that had come; what follows, and limits, may be others.
+  // has the same plant, and the same steps as far as that had come; what follows, limits and seed may be others.
   friend void archive(Archive& a, Runner& runner) { runner.archive_state(a); }
 
  private:
@@ -99,7 +101,9 @@ class Runner {
   // runner_snapshot.cpp
   void archive_state(Archive& a);
   void check_loaded(Archive& a) const;
+  void archive_watches(Archive& a);
   std::string story(std::size_t track) const;
+  Result<void, std::string> make_master(const std::string& name);
 
   const Scenario& scenario_;
   rig::Plant& plant_;

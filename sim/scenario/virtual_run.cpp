@@ -1,6 +1,7 @@
 #include "sim/scenario/virtual_run.hpp"
 
 #include <functional>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/rig/words.hpp"
@@ -21,8 +22,10 @@ struct Whole {
   rig::Plant& plant;
   Runner& runner;
   friend void archive(Archive& a, Whole& whole) {
+    whole.runner.archive_masters(a);
     a.io(whole.plant);
     a.io(whole.runner);
+    whole.plant.net().archive_owners(a);
     whole.plant.scheduler().archive_waiting(a);
   }
 };
@@ -61,6 +64,18 @@ void VirtualRun::run_until(Duration at) {
   }
 }
 
+Result<Duration, std::string> VirtualRun::run_to_grid(Duration at) {
+  constexpr Duration kTick = inverter::Inverter::kControlPeriod;
+  constexpr Duration kLongestGrid = std::chrono::seconds(10);
+  const Duration first = (at + kTick - Duration{1}) / kTick * kTick;
+  for (Duration next = first; next <= first + kLongestGrid; next += kTick) {
+    run_until(next);
+    if (finished() || plant_.snapshot_objection().empty()) break;
+  }
+  if (std::string why = objection(); !why.empty()) return Unexpected(std::move(why));
+  return scheduler_.now() - runner_.state().start;
+}
+
 RunResult VirtualRun::finish() {
   run_until(longest_);
   return runner_.take_result();
@@ -84,17 +99,33 @@ Result<void, std::string> VirtualRun::load(ByteView snapshot) {
   return load_snapshot(whole, snapshot);
 }
 
+RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options,
+                      const SnapshotOptions& snapshots) {
+  return guarded(scenario, options, [&] {
+    VirtualRun run(scenario, catalogue, options);
+    if (!snapshots.resume.empty())
+      if (const auto loaded = run.load(snapshots.resume); !loaded)
+        throw std::runtime_error(rig::sentence(loaded.error()));
+    if (snapshots.at) {
+      const auto at = run.run_to_grid(*snapshots.at);
+      Bytes saved;
+      const auto ok = at ? run.save(saved) : Result<void, std::string>(Unexpected(at.error()));
+      if (!ok) throw std::runtime_error("there is no snapshot: " + rig::sentence(ok.error()));
+      if (snapshots.on_saved) snapshots.on_saved(*at, saved);
+    }
+    return run.finish();
+  });
+}
+
 RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options) {
-  return guarded(scenario, options, [&] { return VirtualRun(scenario, catalogue, options).finish(); });
+  return run_virtual(scenario, catalogue, options, SnapshotOptions{});
 }
 
 RunResult resume_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options,
                          ByteView snapshot) {
-  return guarded(scenario, options, [&] {
-    VirtualRun run(scenario, catalogue, options);
-    if (const auto loaded = run.load(snapshot); !loaded) throw std::runtime_error(rig::sentence(loaded.error()));
-    return run.finish();
-  });
+  SnapshotOptions snapshots;
+  snapshots.resume = snapshot;
+  return run_virtual(scenario, catalogue, options, snapshots);
 }
 
 }  // namespace vinv::scenario

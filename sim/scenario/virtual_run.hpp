@@ -2,7 +2,9 @@
 // and from there to as many ends as there are continuations.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "sim/kernel/virtual_clock.hpp"
@@ -17,6 +19,9 @@ class VirtualRun {
 
   // Everything up to and including this time of the scenario, not before what has run already.
   void run_until(Duration at);
+  // To the first instant from there on at which a snapshot can be taken: multiples of 100 ms. Returns it; refused if
+  // the run is over before.
+  Result<Duration, std::string> run_to_grid(Duration at);
   bool finished() const { return runner_.finished(); }
   // To the end. Call it last.
   RunResult finish();
@@ -24,7 +29,8 @@ class VirtualRun {
   // Between two run_until, on the grid of snapshots: multiples of 100 ms. Refused with a sentence.
   Result<void, std::string> save(Bytes& out);
   // Goes on as the run that was saved, byte for byte; results are those of one run. The scenario may be another one
-  // from here on: its plant and the steps so far are the same. A refused load leaves the run as it was.
+  // from here on: its plant and the steps so far are the same. With
+  // another seed everything random is other from here on. A refused load leaves the run as it was.
   Result<void, std::string> load(ByteView snapshot);
 
  private:
@@ -36,6 +42,16 @@ class VirtualRun {
   Runner runner_;
   Duration longest_;
 };
+
+// Of a run on its way, or of where it begins.
+struct SnapshotOptions {
+  ByteView resume;             // a saved run that this one goes on from; empty: it begins at the beginning
+  std::optional<Duration> at;  // saved at the first possible instant from there on
+  std::function<void(Duration at, const Bytes& snapshot)> on_saved;  // may throw
+};
+// A whole run, or the rest of one. Does not throw: what goes wrong, a refused snapshot too, is in the result.
+RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options,
+                      const SnapshotOptions& snapshots);
 
 // A whole run. Neither throws: what goes wrong is in the result.
 RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options);

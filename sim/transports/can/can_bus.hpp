@@ -80,6 +80,8 @@ class CanBus {
   void stop_observing(const CanBusObserver* observer);
   // From the next frame that a node sends; replaces the plan before it.
   void set_faults(CanFaultPlan plan);
+  // Other luck for the faults from here on.
+  void reseed(std::uint64_t seed);
   // Behind the rules of the plan there is.
   void add_fault(CanFaultRule rule);
   // Somebody signals an error now: it destroys the frame on the wire, or is one of its own on a free bus.

@@ -74,6 +74,11 @@ class CanFaultJudge {
     plan_.rules.push_back(std::move(rule));
     counts_.emplace_back();
   }
+  // Chance begins anew; what the rules have counted stays.
+  void reseed(std::uint64_t seed) {
+    plan_.seed = seed;
+    random_ = Random(seed);
+  }
   // Which bit of kCorrupt, which byte of kTwin: 0 to bound - 1.
   std::uint64_t pick(std::uint64_t bound) { return random_.below(bound); }
   // Times a rule has acted.

@@ -4,10 +4,12 @@
 #include <algorithm>
 
 #include "sim/base/random.hpp"
-#include "sim/scenario/batch.hpp"
 #include "sim/scenario/junit.hpp"
+#include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/report/csv_report.hpp"
 #include "sim/scenario/report/html_report.hpp"
+#include "sim/scenario/report/wire_report.hpp"
+#include "sim/scenario/snapshot_file.hpp"
 #include "tests/sim/scenario/support.hpp"
 
 namespace vinv::scenario {
@@ -58,6 +60,17 @@ constexpr const char* kStory =
     "    - { drive: b, stop: }\n"
     "    - { drive: b, when: stopped, within: 10 s }\n";
 
+LoadOptions with_masters() {
+  LoadOptions options = testing::load_options();
+  options.masters = protocol_masters();
+  return options;
+}
+RunOptions speaking() {
+  RunOptions options;
+  options.masters = protocol_masters();
+  return options;
+}
+
 RunOptions small_recording() {
   RunOptions options;
   options.recording.max_cells = 60'000;  // thinned out on the way
@@ -67,8 +80,9 @@ RunOptions small_recording() {
 std::string reports(const Scenario& s, const RunResult& r) {
   JunitWriter junit("unused");
   junit.write(nullptr, r);
+  const Bytes capture = wire_pcapng(r.recording);
   return html_report(&s, r, "build", {}) + signals_csv(r.recording) + states_csv(r.recording) + events_csv(r) +
-         junit.text();
+         candump_log(r.recording) + std::string(capture.begin(), capture.end()) + junit.text();
 }
 
 // Each instant as another run.
@@ -106,17 +120,108 @@ TEST(Interrupted, ARunResumedAtTwoHundredInstantsLeavesTheReportsOfOneThatIsNotI
   EXPECT_TRUE(reports(s, resumed) == reports(s, whole)) << failures(resumed);
 }
 
-TEST(Interrupted, EachShippedScenarioIsResumedAtRandomInstants) {
+std::vector<Duration> random_instants(Random& random, std::size_t count, const RunResult& whole) {
+  const auto last = static_cast<std::uint64_t>(whole.end.time_since_epoch() / milliseconds(100));
+  std::vector<Duration> instants;
+  for (std::size_t i = 0; i < count; ++i)
+    instants.push_back(milliseconds(100) * static_cast<std::int64_t>(random.below(last)));
+  std::sort(instants.begin(), instants.end());
+  return instants;
+}
+
+// A trip, restarts, persistence, masters of every kind, a bus that fails: 200 instants in all.
+TEST(Interrupted, ShippedScenariosAreResumedAtTwoHundredRandomInstants) {
+  constexpr std::size_t kEach = 10;
   Random random(11);
-  for (const std::string& file : find_scenarios({VINV_SOURCE_DIR "/scenarios"}, "")) {
-    const Scenario s = load_scenario(file, testing::load_options());
-    const RunResult whole = run_virtual(s, rig::shipped_catalogue(), {});
+  std::size_t interruptions = 0;
+  for (const char* name : {"over_voltage_trip",
+                           "restart_after_dip",
+                           "two_drives",
+                           "parameter_persistence",
+                           "option_board_failure",
+                           "dc_brake",
+                           "s_curve",
+                           "panel_operation",
+                           "multi_speed",
+                           "master_modbus",
+                           "master_modbus_tcp",
+                           "master_canopen",
+                           "master_canopen_402",
+                           "communication/can_bus_off",
+                           "communication/can_master_silent_2",
+                           "communication/modbus_master_silent",
+                           "mode/manual_modbus_examples",
+                           "mode/manual_canopen_examples",
+                           "mode/eeprom_or_ram",
+                           "mode/quick_stop"}) {
+    const Scenario s =
+        load_scenario(VINV_SOURCE_DIR "/scenarios/fr-e500/" + std::string(name) + ".yaml", with_masters());
+    const RunResult whole = run_virtual(s, rig::shipped_catalogue(), speaking());
+    ASSERT_EQ(whole.verdict, Verdict::kPassed) << name << failures(whole);
+    const RunResult resumed = relayed(s, random_instants(random, kEach, whole), speaking(), &interruptions);
+    EXPECT_TRUE(reports(s, resumed) == reports(s, whole)) << name << failures(resumed);
+  }
+  EXPECT_EQ(interruptions, 20 * kEach);
+}
+
+// Requests and answers are under way at most instants, late, damaged or doubled; a connection is half open.
+constexpr const char* kTalk =
+    "# Four masters on wires with faults.\n"
+    "plant:\n"
+    "  networks: { line: { can: virtual, bitrate: 125k } }\n"
+    "  drives:\n"
+    "    - { name: a, inverter: { model: FR-E540-0.75K }, board: { type: oi-fr-e5nco, node: 5, network: line },\n"
+    "        parameters: { Pr.7: 0.5, Pr.8: 0.5 } }\n"
+    "    - { name: b, inverter: { model: FR-E540-1.5K }, board: { type: oi-fr-e5nco, node: 6, network: line } }\n"
+    "limit: 30 s\n"
+    "tracks:\n"
+    "  pdo:\n"
+    "    - { drive: a, when: ready, via: canopen, mode: NET }\n"
+    "    - { drive: a, via: canopen, reference: 20 Hz }\n"
+    "    - { drive: a, via: canopen, run: forward }\n"
+    "    - { drive: a, wire: { delay: 7 ms, share: 40 %, port: can } }\n"
+    "    - { drive: a, wire: { corrupt: 20 %, port: can } }\n"
+    "    - { drive: a, wire: { reorder: 30 ms, share: 20 %, port: can } }\n"
+    "    - repeat:\n"
+    "        times: 12\n"
+    "        steps:\n"
+    "          - { drive: a, after: 90 ms, via: canopen, reference: 30 Hz }\n"
+    "          - { drive: a, after: 110 ms, via: canopen_sdo, monitor: output_frequency }\n"
+    "          - { drive: a, after: 110 ms, via: canopen, reference: 20 Hz }\n"
+    "  rtu:\n"
+    "    - { drive: b, when: ready, after: 10 ms, wire: { delay: 12 ms, share: 50 %, port: serial } }\n"
+    "    - { drive: b, wire: { corrupt: 15 %, port: serial } }\n"
+    "    - repeat:\n"
+    "        times: 8\n"
+    "        steps:\n"
+    "          - { drive: b, after: 30 ms, via: modbus, monitor: output_frequency }\n"
+    "          - { drive: b, after: 20 ms, via: modbus, parameter: [Pr.7, Pr.8] }\n"
+    "  tcp:\n"
+    "    - { drive: b, when: ready, after: 300 ms, wire: { delay: 40 ms, share: 60 %, port: tcp } }\n"
+    "    - { drive: b, wire: { split: 2 ms, share: 50 %, port: tcp } }\n"
+    "    - repeat:\n"
+    "        times: 10\n"
+    "        steps: [ { drive: b, after: 10 ms, via: modbus_tcp, monitor: status } ]\n"
+    "    - { drive: b, wire: half_open }\n"
+    "    - { drive: b, via: modbus_tcp, monitor: status, refused: yes }\n"
+    "    - { drive: b, after: 700 ms, via: modbus_tcp, monitor: status }\n";
+
+TEST(Interrupted, MastersOnWiresWithFaultsGoOnByteForByteWithAnySeed) {
+  const Scenario s = read(kTalk, with_masters());
+  std::string first;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    RunOptions options = speaking();
+    options.seed = seed;
+    const RunResult whole = run_virtual(s, rig::shipped_catalogue(), options);
+    ASSERT_NE(whole.verdict, Verdict::kNotRun) << whole.reason;
+    EXPECT_GT(whole.recording.wire.size(), 60u);
     std::vector<Duration> instants;
-    for (int i = 0; i < 6; ++i)
-      instants.push_back(milliseconds(100) * static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(
-                                                 whole.end.time_since_epoch() / milliseconds(100)))));
-    std::sort(instants.begin(), instants.end());
-    EXPECT_TRUE(reports(s, relayed(s, instants, {})) == reports(s, whole)) << file;
+    for (Instant at{}; at < whole.end; at += milliseconds(100)) instants.push_back(at.time_since_epoch());
+    EXPECT_GT(instants.size(), 12u) << failures(whole);
+    const RunResult resumed = relayed(s, instants, options);
+    EXPECT_TRUE(reports(s, resumed) == reports(s, whole)) << seed << failures(resumed);
+    EXPECT_NE(reports(s, whole), first);
+    first = reports(s, whole);
   }
 }
 
@@ -130,7 +235,7 @@ TEST(Fork, ContinuationsDifferFromTheSnapshotOnOnly) {
   const Scenario heavy = continued("2");
   const rig::Catalogue catalogue = rig::shipped_catalogue();
   VirtualRun run(light, catalogue, {});
-  run.run_until(milliseconds(2000));
+  run.run_until(milliseconds(1500));
   Bytes saved;
   ASSERT_TRUE(run.save(saved));
   for (const Scenario* s : {&light, &heavy, &light}) {
@@ -138,6 +243,57 @@ TEST(Fork, ContinuationsDifferFromTheSnapshotOnOnly) {
     EXPECT_TRUE(reports(*s, forked) == reports(*s, run_virtual(*s, catalogue, {}))) << failures(forked);
   }
   EXPECT_EQ(run.finish().verdict, Verdict::kPassed);
+}
+
+// The fork has another master, and its story another end.
+TEST(Fork, AnotherSeedIsOtherLuckFromTheSnapshotOn) {
+  const Scenario s = read(kTalk, with_masters());
+  std::string end = kTalk;
+  end.replace(end.find("times: 12"), 9, "times: 2");
+  const Scenario other = read(end + "    - { drive: b, via: canopen_402, mode: NET }\n", with_masters());
+  const rig::Catalogue catalogue = rig::shipped_catalogue();
+  VirtualRun run(s, catalogue, speaking());
+  const auto at = run.run_to_grid(milliseconds(650));
+  ASSERT_TRUE(at) << at.error();
+  EXPECT_EQ(*at, milliseconds(700));
+  Bytes saved;
+  ASSERT_TRUE(run.save(saved));
+  const auto forked = [&](const Scenario& story, std::optional<std::uint64_t> seed) {
+    RunOptions options = speaking();
+    options.seed = seed;
+    const RunResult r = resume_virtual(story, catalogue, options, saved);
+    EXPECT_NE(r.verdict, Verdict::kNotRun) << r.reason;
+    return states_csv(r.recording) + events_csv(r) + candump_log(r.recording);
+  };
+  const std::string same = forked(s, std::nullopt);
+  EXPECT_EQ(forked(s, 1), same);
+  EXPECT_NE(forked(s, 2), same);
+  EXPECT_EQ(forked(s, 2), forked(s, 2));
+  EXPECT_NE(forked(s, 2), forked(s, 3));
+}
+
+TEST(SnapshotFiles, ASavedRunComesBackAndAForeignBuildOrDamageIsRefused) {
+  const std::string path = ::testing::TempDir() + "/vinv_snapshot_file_test";
+  const Scenario s = read(kStory);
+  VirtualRun run(s, rig::shipped_catalogue(), {});
+  run.run_until(seconds(2));
+  SnapshotFile file{"1.0 (abc)", "story.yaml", seconds(2), {}};
+  ASSERT_TRUE(run.save(file.bytes));
+  ASSERT_TRUE(write_snapshot_file(path, file));
+  const auto back = read_snapshot_file(path, "1.0 (abc)");
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(back->bytes, file.bytes);
+  EXPECT_EQ(read_snapshot_file(path, "1.1 (def)").error(),
+            "the snapshot " + path +
+                " cannot be used: it was written by build 1.0 (abc), this is 1.1 (def). Snapshots serve the build that "
+                "wrote them.");
+  file.bytes[file.bytes.size() / 2] ^= 1;
+  ASSERT_TRUE(write_snapshot_file(path, file));
+  EXPECT_NE(read_snapshot_file(path, "1.0 (abc)").error().find("checksum"), std::string::npos);
+  EXPECT_NE(read_snapshot_file(VINV_SOURCE_DIR "/README.md", "1.0 (abc)").error().find("no snapshot"),
+            std::string::npos);
+  EXPECT_NE(read_snapshot_file(path + "/x", "1.0 (abc)").error().find("no such file"), std::string::npos);
+  EXPECT_NE(write_snapshot_file("/dev/full", file).error().find("No space left"), std::string::npos);
 }
 
 class RefusedRun : public ::testing::Test {
@@ -215,7 +371,7 @@ TEST_F(RefusedRun, OffTheGridAndAfterTheEndNothingIsSaved) {
   run_.run_until(seconds(60));
   const auto over = run_.save(out);
   ASSERT_FALSE(over);
-  EXPECT_EQ(over.error(), "the run is over.");
+  EXPECT_NE(over.error().find("the run is over at "), std::string::npos);
 }
 
 }  // namespace
