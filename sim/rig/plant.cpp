@@ -16,8 +16,8 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
       drives_on_line_(file_.serial.size()),
       serial_taps_(file_.serial.size(), WireTap(scheduler)),
       tcp_taps_(file_.tcp.size(), WireTap(scheduler)) {
-  for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].set_seed(options.seed + i);
-  for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].set_seed(options.seed + i);
+  for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].reseed(options.seed + i);
+  for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].reseed(options.seed + i);
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
   for (const CanNetwork& net : file_.can) {
     buses_.push_back(std::make_unique<CanLine>(scheduler_, net));

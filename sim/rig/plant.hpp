@@ -57,6 +57,8 @@ class Plant {
   DriveUnit* find(std::string_view name);
 
   // Wires, by their index in the plant file.
+  // Somebody outside the plant has the line's other end: a pseudo-terminal, a serial adapter.
+  bool serial_is_outside(std::size_t line) const { return lines_[line].is_outside(); }
   void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
   // Lines in memory that snapshots hold, for masters in virtual time.

@@ -18,7 +18,6 @@ class WireTap {
   std::unique_ptr<transports::ByteStream> wrap(std::unique_ptr<transports::ByteStream> stream);
 
   // Of the chance by which faults strike; 1 until set.
-  void set_seed(std::uint64_t seed) { reseed(seed); }
   void reseed(std::uint64_t seed) {
     seed_ = seed;
     if (course_ != nullptr) course_->reseed(seed);

@@ -356,6 +356,7 @@ class ProtocolMaster : public Master, private State {
       r.at = frame.at;
       r.sender = frame.sent ? "master" : name;
       r.bytes = frame.bytes;
+      r.connection = frame.connection;
       if (r.kind == WireRecord::Kind::kCanFrame) {
         r.id = read_be32(frame.bytes, 0);
         r.bytes.erase(r.bytes.begin(), r.bytes.begin() + 4);
@@ -391,11 +392,22 @@ const std::vector<std::string_view>& master_words() {
   return all;
 }
 
+// A serial line has one other end, which must not be taken from somebody without a word. Empty: none.
+static std::string objection(const Kind& kind, const rig::Plant& plant) {
+  if (kind.wire != Wire::kSerial) return {};
+  for (const auto& d : plant.drives())
+    if (d->spec.board && d->spec.board->serial && plant.serial_is_outside(*d->spec.board->serial))
+      return "serial line " + plant.file().serial[*d->spec.board->serial].name +
+             " is open to masters outside, as in every live run; speak via modbus_tcp, or run in virtual time";
+  return {};
+}
+
 std::vector<MasterKind> protocol_masters() {
   std::vector<MasterKind> out;
   for (const Kind& kind : kKinds)
     out.push_back({kind.name, master_words(),
                    [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
+                     if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
                      return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
                    }});
   return out;
