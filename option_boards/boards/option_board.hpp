@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "option_boards/modbus/unit.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/can_frame.hpp"
 #include "sim/base/result.hpp"
@@ -23,6 +24,8 @@ struct LineSettings {
   std::uint32_t baud = 9600;
   enum class Parity : std::uint8_t { kNone, kOdd, kEven } parity = Parity::kNone;
   friend constexpr bool operator==(const LineSettings&, const LineSettings&) = default;
+  friend VINV_ENUM_RANGE(Parity, kNone, kEven);
+  VINV_ARCHIVE(LineSettings, baud, parity);
 };
 
 // A channel of bytes with character timing (RS-232C, RS-485). Several boards may share one line.
@@ -73,6 +76,13 @@ class OptionBoard {
   virtual CanChannel* can_channel() { return nullptr; }
   // The board's status LED as a person sees it: "off", "green", "green flashing", ... Empty: it has none.
   virtual std::string_view status_led() const { return {}; }
+
+  // All that the board knows, as a part of a plant's snapshot (docs/decisions/0005-snapshots.md). Loading calls nobody:
+  // whoever listens at the channels finds them as they were.
+  friend void archive(Archive& a, OptionBoard& board) { board.archive_state(a); }
+
+ protected:
+  virtual void archive_state(Archive& a) = 0;
 };
 
 }  // namespace vinv::boards

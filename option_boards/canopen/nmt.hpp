@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::canopen {
 
 // As guarding reports them; kOff is no state of the document: no supply, no node address.
@@ -14,6 +16,7 @@ enum class NmtState : std::uint8_t {
   kOperational = 5,
   kPreOperational = 127
 };
+VINV_ENUM_RANGE(NmtState, kInitialising, kOff);
 
 enum class NmtCommand : std::uint8_t {
   kStart = 1,

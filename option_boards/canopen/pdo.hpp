@@ -9,6 +9,7 @@
 #include "option_boards/canopen/abort_code.hpp"
 #include "option_boards/canopen/nmt.hpp"
 #include "option_boards/canopen/object_table.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
 
@@ -41,6 +42,8 @@ struct MappedObject {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
   std::uint8_t size = 0;  // bytes
+  friend constexpr bool operator==(const MappedObject&, const MappedObject&) = default;
+  VINV_ARCHIVE(MappedObject, row, index, sub, size);
 };
 
 struct PdoSettings {
@@ -61,6 +64,8 @@ struct PdoSettings {
   bool has_id(std::uint32_t id) const { return active() && (cob_id & kCobIdMask) == id; }
   Duration inhibit() const { return std::chrono::microseconds(100) * inhibit_time; }
   Duration event_interval() const { return std::chrono::milliseconds(event_timer); }
+  VINV_ARCHIVE(PdoSettings, cob_id, transmission_type, inhibit_time, reserved, event_timer, mapped, mapping, objects,
+               length);
 };
 
 // What a COB-ID entry may hold: an 11-bit identifier that is free for it, and of the bits above only allowed_flags.

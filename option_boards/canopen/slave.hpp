@@ -17,6 +17,7 @@
 #include "option_boards/canopen/object_table.hpp"
 #include "option_boards/canopen/pdo.hpp"
 #include "option_boards/canopen/sdo.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/can_frame.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
@@ -37,6 +38,7 @@ enum class PdoFault : std::uint8_t {
 struct Emergency {
   std::uint16_t error_code = 0;
   std::array<std::uint8_t, 5> manufacturer{};  // bytes 3-7
+  VINV_ARCHIVE(Emergency, error_code, manufacturer);
 };
 
 // What lies behind the slave's dictionary. Calls come from inside the slave's handle_ functions.
@@ -87,12 +89,15 @@ class Slave {
   NmtState state() const { return state_.nmt; }
   std::uint8_t node() const { return state_.node; }
 
+  friend void archive(Archive& a, Slave& slave) { slave.archive_state(a); }
+
  private:
   struct Rpdo {
     PdoSettings settings;
     bool buffered = false;  // received, acts at the next SYNC
     bool too_short = false;
     std::array<std::uint8_t, kMaxPdoLength> data{};
+    VINV_ARCHIVE(Rpdo, settings, buffered, too_short, data);
   };
   struct Tpdo {
     PdoSettings settings;
@@ -106,6 +111,8 @@ class Slave {
     std::array<std::uint8_t, kMaxPdoLength> last_sent{};
     std::optional<Instant> inhibit_until;  // from the last transmission
     std::optional<Instant> event_at;       // event timer, from the last transmission
+    VINV_ARCHIVE(Tpdo, settings, syncs, sampled, asked_early, sent, event, transmit, sample, last_sent, inhibit_until,
+                 event_at);
   };
   // First in, first out; when it is full the oldest is lost.
   template <class T, std::size_t kCapacity>
@@ -125,14 +132,21 @@ class Slave {
     void keep_newest() {
       while (count > 1) pop();
     }
+    friend void archive(Archive& a, Backlog& backlog) {
+      VINV_MEMBERS(backlog, kept, waiting);
+      VINV_FIELDS(a, Backlog, kept, waiting);
+      a.require(kept <= kCapacity, "more messages wait than there can be");
+    }
   };
   struct Download {
     std::uint16_t index = 0;
     std::uint8_t sub = 0;
+    VINV_ARCHIVE(Download, index, sub);
   };
   struct QueuedEmergency {
     Emergency emergency;
     std::uint8_t error_register = 0;
+    VINV_ARCHIVE(QueuedEmergency, emergency, error_register);
   };
   struct State {
     NmtState nmt = NmtState::kOff;
@@ -152,6 +166,8 @@ class Slave {
     Backlog<QueuedEmergency, kMaxEmergencies> emergencies;
     std::array<Rpdo, kPdos> rpdos;
     std::array<Tpdo, kPdos> tpdos;
+    VINV_ARCHIVE(State, nmt, node, sync_cob_id, emergency_cob_id, guard_time, life_time_factor, toggle, guarded,
+                 guarding_lost, life_ends_at, download, boot_up, guard_answer, sdo_answers, emergencies, rpdos, tpdos);
   };
 
   bool on_bus() const { return state_.nmt != NmtState::kOff; }
@@ -190,6 +206,10 @@ class Slave {
   std::array<std::uint8_t, kMaxPdoLength> sample(const PdoSettings& settings) const;
   void trigger(Instant now, Tpdo& tpdo);
   CanFrame emit(Instant now, Tpdo& tpdo);
+
+  // slave_snapshot.cpp
+  void archive_state(Archive& a);
+  bool is_sound(PdoDirection direction, const PdoSettings& settings) const;
 
   const ObjectTable& table_;
   Application& application_;

@@ -7,6 +7,7 @@
 #include <span>
 #include <variant>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/result.hpp"
 
@@ -37,6 +38,7 @@ struct WriteSingleRegister {
   std::uint16_t address = 0;
   std::uint16_t value = 0;
   friend constexpr bool operator==(WriteSingleRegister, WriteSingleRegister) = default;
+  VINV_ARCHIVE(WriteSingleRegister, address, value);
 };
 
 using Request = std::variant<ReadHoldingRegisters, WriteSingleRegister>;

@@ -127,4 +127,15 @@ std::optional<Bytes> RtuServer::poll_transmit(Instant now) {
   return std::exchange(state_.answer, {});
 }
 
+void RtuServer::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, client, units, state);
+  a.must_match("number of Modbus units", units.size());
+  a.io(state);
+  a.require(state.settings.baud > 0, "a serial line has no speed");
+  a.require(state.length <= kMaxFrame, "a Modbus frame is longer than there can be");
+  a.require(state.transaction == Transaction::kNone || state.unit_index < units.size(),
+            "a request is with a Modbus unit that there is not");
+  a.require(state.answer.size() <= kMaxFrame, "a Modbus answer is longer than there can be");
+}
+
 }  // namespace vinv::modbus

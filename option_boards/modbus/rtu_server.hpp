@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "option_boards/modbus/unit.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 
@@ -27,6 +28,7 @@ struct SilentIntervals {
   Duration character{};
   Duration t1_5{};
   Duration t3_5{};
+  VINV_ARCHIVE(SilentIntervals, character, t1_5, t3_5);
 };
 SilentIntervals silent_intervals(std::uint32_t baud, unsigned bits_per_character);
 
@@ -41,6 +43,7 @@ class RtuServer {
     Duration answer_delay{};           // from the answer being ready to its first character
     // How late a driver may hand over characters (FIFO and latency timer of a real tty); widens both silences.
     Duration receive_slack{};
+    VINV_ARCHIVE(Settings, baud, bits_per_character, answer_delay, receive_slack);
   };
 
   explicit RtuServer(ClientId client) : client_(client) {}
@@ -58,8 +61,11 @@ class RtuServer {
   // The whole answer frame, once the unit has decided, the delay is over and the line is silent.
   std::optional<Bytes> poll_transmit(Instant now);
 
+  friend void archive(Archive& a, RtuServer& server) { server.archive_state(a); }
+
  private:
   enum class Transaction : std::uint8_t { kNone, kAwaitingUnit, kAnswering };
+  friend VINV_ENUM_RANGE(Transaction, kNone, kAnswering);
 
   struct State {
     bool open = false;
@@ -75,8 +81,11 @@ class RtuServer {
     std::uint8_t unit_address = 0;  // as asked
     Bytes answer;                   // kAnswering: the frame
     Instant answer_at{};            // kAnswering: earliest start
+    VINV_ARCHIVE(State, open, settings, silence, receiving, discard, length, frame, last_character_at, transaction,
+                 unit_index, unit_address, answer, answer_at);
   };
 
+  void archive_state(Archive& a);
   Instant frame_ends_at() const;
   void end_frame(Instant now);
   void dispatch(Instant now, ByteView frame);

@@ -100,4 +100,23 @@ void TcpSession::handle_closed() {
   received_ = 0;
 }
 
+void TcpSession::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, client, router, buffer, received, requests, refusals, close_reason);
+  VINV_FIELDS(a, TcpSession, buffer, received, refusals, close_reason);
+  // Of an ADU whose header is whole, never all of it.
+  const bool header = received >= kHeaderUpToLength;
+  a.require(received < kMaxAdu && (!header || close_reason || header_is_modbus()), "a Modbus/TCP header is none");
+  a.require(!header || close_reason || received < kHeaderUpToLength + read_be16(buffer, 4),
+            "an ADU is longer than it says");
+  const std::size_t count = a.count(requests.size(), kMaxQueuedRequests);
+  if (a.loads()) requests.clear();
+  for (std::size_t i = 0; i < count && !a.failed(); ++i) {
+    if (a.loads()) requests.emplace_back();
+    VINV_MEMBERS(requests[i], transaction_id, unit_id, unit, pdu);
+    VINV_FIELDS(a, QueuedRequest, transaction_id, unit_id, pdu);
+    router.archive_unit(a, unit);
+    a.require(!pdu.empty() && pdu.size() <= kMaxPdu, "a Modbus request has no possible length");
+  }
+}
+
 }  // namespace vinv::modbus

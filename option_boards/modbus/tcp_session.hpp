@@ -11,10 +11,12 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "option_boards/modbus/pdu.hpp"
 #include "option_boards/modbus/unit_table.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 
@@ -46,6 +48,9 @@ class TcpSession {
   // The connection is gone: what the unit works on is still executed, what waits is dropped.
   void handle_closed();
 
+  // Snapshots: after the units; the client and the router are there.
+  friend void archive(Archive& a, TcpSession& session) { session.archive_state(a); }
+
  private:
   struct QueuedRequest {
     std::uint16_t transaction_id = 0;
@@ -54,6 +59,7 @@ class TcpSession {
     Bytes pdu;
   };
 
+  void archive_state(Archive& a);
   void take_adu();
   bool header_is_modbus();
 
@@ -63,7 +69,7 @@ class TcpSession {
   std::size_t received_ = 0;
   std::deque<QueuedRequest> requests_;  // front: the one being worked on
   std::deque<Bytes> refusals_;
-  std::optional<std::string_view> close_reason_;
+  std::optional<std::string> close_reason_;
 };
 
 }  // namespace vinv::modbus

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "option_boards/modbus/unit.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::modbus {
 
@@ -14,6 +15,8 @@ class UnitRouter {
   virtual ~UnitRouter() = default;
   // nullptr: nobody answers under this identifier.
   virtual Unit* route(std::uint8_t unit_id) = 0;
+  // Snapshots: one of its units, or nullptr.
+  virtual void archive_unit(Archive& a, Unit*& unit) = 0;
 };
 
 // Units by their present address. 0 and 255 mean "the device at this IP address": the unit itself where exactly one is
@@ -23,6 +26,7 @@ class UnitTable final : public UnitRouter {
   // The unit outlives the table.
   void add(Unit& unit) { units_.push_back(&unit); }
   Unit* route(std::uint8_t unit_id) override;
+  void archive_unit(Archive& a, Unit*& unit) override;
 
  private:
   std::vector<Unit*> units_;

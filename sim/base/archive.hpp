@@ -179,6 +179,33 @@ void archive(Archive& a, std::pair<A, B>& value) {
   a.io(value.second);
 }
 
+// T and E are values that can be made from nothing.
+template <class T, class E>
+void archive(Archive& a, Result<T, E>& result) {
+  bool ok = result.has_value();
+  a.io(ok);
+  T value = !a.loads() && ok ? *result : T{};
+  E error = !a.loads() && !ok ? result.error() : E{};
+  if (ok) {
+    a.io(value);
+  } else {
+    a.io(error);
+  }
+  if (a.loads()) result = ok ? Result<T, E>(std::move(value)) : Result<T, E>(Unexpected(std::move(error)));
+}
+
+template <class T, class E>
+void archive(Archive& a, std::optional<Result<T, E>>& value) {
+  bool present = value.has_value();
+  a.io(present);
+  if (a.loads() && present) value.emplace(Unexpected(E{}));
+  if (!present) {
+    value.reset();
+  } else {
+    a.io(*value);
+  }
+}
+
 template <class E>
 void archive(Archive& a, Result<void, E>& result) {
   bool ok = result.has_value();

@@ -6,15 +6,16 @@
 #include <cstdint>
 #include <initializer_list>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 
 namespace vinv {
 
 struct CanFrame {
-  std::uint32_t id = 0;       // 11 bits, 29 if extended
+  std::uint32_t id = 0;  // 11 bits, 29 if extended
   bool extended = false;
-  bool remote = false;        // RTR: length is the requested one, there is no data
-  std::uint8_t length = 0;    // 0-8
+  bool remote = false;      // RTR: length is the requested one, there is no data
+  std::uint8_t length = 0;  // 0-8
   std::array<std::uint8_t, 8> data{};
 
   static CanFrame standard(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) {
@@ -33,6 +34,11 @@ struct CanFrame {
   }
   ByteView bytes() const { return {data.data(), remote ? std::size_t{0} : length}; }
   friend bool operator==(const CanFrame&, const CanFrame&) = default;
+  friend void archive(Archive& a, CanFrame& frame) {
+    VINV_MEMBERS(frame, id, extended, remote, length, data);
+    VINV_FIELDS(a, CanFrame, id, extended, remote, length, data);
+    a.require(length <= data.size(), "a CAN frame is longer than 8 bytes");
+  }
 };
 
 }  // namespace vinv

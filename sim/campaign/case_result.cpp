@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/scenario/report/text.hpp"
+#include "sim/scenario/virtual_run.hpp"
 
 namespace vinv::campaign {
 namespace {

@@ -26,6 +26,18 @@ bool is_state(std::uint8_t byte) {
 CanopenMaster::CanopenMaster(const CanopenMasterSettings& settings)
     : settings_(settings), state_{SdoClient(settings.sdo_timeout), {}, {}, {}, {}, {}, 0} {}
 
+void CanopenMaster::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, settings, state);
+  VINV_FIELDS(a, CanopenMaster, settings, state);
+  a.require(settings.node >= 1 && settings.node <= canopen::kLastNode, "a CANopen master has no node");
+  a.require(!state.sync_at || settings.sync_interval > Duration{}, "SYNC has no interval");
+  a.require(!state.heartbeat_at || settings.heartbeat_interval > Duration{}, "a heartbeat has no interval");
+  for (const auto& [node, n] : state.nodes) {
+    a.require(node >= 1 && node <= canopen::kLastNode && n.guard_time >= Duration{}, "a CANopen node is none");
+    for (const Output& out : n.outputs) a.require(out.length <= out.data.size(), "a PDO is longer than a frame");
+  }
+}
+
 void CanopenMaster::start(Instant now) {
   if (settings_.sync_interval > Duration{}) state_.sync_at = now + settings_.sync_interval;
   if (settings_.heartbeat_interval > Duration{}) state_.heartbeat_at = now;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "option_boards/canopen/nmt.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/can_frame.hpp"
 #include "sim/base/time.hpp"
 #include "sim/masters/sdo_client.hpp"
@@ -27,12 +28,14 @@ struct CanopenMasterSettings {
   Duration sync_interval{};       // 0: none
   std::uint32_t sync_cob_id = 0x80;
   Duration sdo_timeout = std::chrono::milliseconds(500);
+  VINV_ARCHIVE(CanopenMasterSettings, node, heartbeat_interval, sync_interval, sync_cob_id, sdo_timeout);
 };
 
 struct CanopenEmergency {
   std::uint16_t error_code = 0;  // 0: the error is gone
   std::uint8_t error_register = 0;
   std::array<std::uint8_t, 5> manufacturer{};
+  VINV_ARCHIVE(CanopenEmergency, error_code, error_register, manufacturer);
 };
 
 struct CanopenEvent {
@@ -47,12 +50,14 @@ struct CanopenEvent {
     kSdo,
     kPdo,
   };
+  friend VINV_ENUM_RANGE(Kind, kBootUp, kPdo);
   Kind kind = Kind::kState;
   std::uint8_t node = 0;
   canopen::NmtState state = canopen::NmtState::kOff;  // kState
   CanopenEmergency emergency;
   std::optional<SdoResult> sdo;
   CanFrame pdo;
+  VINV_ARCHIVE(CanopenEvent, kind, node, state, emergency, sdo, pdo);
 };
 
 class CanopenMaster {
@@ -100,10 +105,15 @@ class CanopenMaster {
   // Emergencies of the node so far, those that end an error too.
   std::uint64_t emergencies_of(std::uint8_t node) const;
 
+  // Snapshots: the settings too.
+  friend void archive(Archive& a, CanopenMaster& master) { master.archive_state(a); }
+
+ private:
   struct Output {
     std::uint8_t length = 0;
     bool cyclic = false;
     std::array<std::uint8_t, 8> data{};
+    VINV_ARCHIVE(Output, length, cyclic, data);
   };
   struct Node {
     canopen::NmtState state = canopen::NmtState::kOff;
@@ -118,8 +128,9 @@ class CanopenMaster {
     std::optional<CanopenEmergency> emergency;
     std::uint64_t emergencies = 0;
     std::array<Output, kPdos> outputs{};
+    VINV_ARCHIVE(Node, state, guard_time, life_time_factor, guard_at, toggle, life_ends_at, guard_lost,
+                 heartbeat_timeout, heartbeat_by, emergency, emergencies, outputs);
   };
-  // The whole session, for snapshots.
   struct State {
     SdoClient sdo;
     std::map<std::uint8_t, Node> nodes;
@@ -128,11 +139,10 @@ class CanopenMaster {
     std::deque<CanFrame> outgoing;
     std::deque<CanopenEvent> events;
     std::uint64_t lost = 0;  // frames and events, at the limits
+    VINV_ARCHIVE(State, sdo, nodes, sync_at, heartbeat_at, outgoing, events, lost);
   };
-  const State& state() const { return state_; }
-  void restore(State state) { state_ = std::move(state); }
 
- private:
+  void archive_state(Archive& a);
   void push(CanopenEvent event);
   void push(CanopenEvent::Kind kind, std::uint8_t node);
   void handle_error_control(Instant now, std::uint8_t node, const CanFrame& frame);

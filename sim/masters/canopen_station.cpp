@@ -55,6 +55,13 @@ CanopenStation::CanopenStation(kernel::Scheduler& scheduler, const CanopenMaster
 
 CanopenStation::~CanopenStation() = default;
 
+void CanopenStation::archive(Archive& a) {
+  Station::archive(a);
+  VINV_FIELDS(a, CanopenStation, master_, runner_, state_);
+  runner_.require_client(a, canopen::kLastNode, true);
+  a.require(runner_.in_access() == (state_.access || state_.access_result), "a master waits for an answer to nothing");
+}
+
 bool CanopenStation::send_frame(Instant now, ByteView bytes) {
   const auto frame = can_frame(bytes);
   if (!frame) return false;
@@ -77,34 +84,34 @@ std::optional<Instant> CanopenStation::work(Instant now) {
     }
     while (auto event = master_.poll_event()) {
       again = true;
-      if (!event->sdo || access_ != event->sdo->id) {
-        if (events_.size() >= CanopenMaster::kMaxEvents) events_.erase(events_.begin());
-        events_.push_back(*std::move(event));
+      if (!event->sdo || state_.access != event->sdo->id) {
+        if (state_.events.size() >= CanopenMaster::kMaxEvents) state_.events.erase(state_.events.begin());
+        state_.events.push_back(*std::move(event));
         continue;
       }
-      access_.reset();
+      state_.access.reset();
       if (event->sdo->value)
-        access_result_ = event->sdo->value->raw;
+        state_.access_result = event->sdo->value->raw;
       else
-        access_result_ = Unexpected(text_of(event->sdo->value.error()));
+        state_.access_result = Unexpected(text_of(event->sdo->value.error()));
     }
-    const auto step = runner_.state().step;
-    const bool busy = runner_.busy(), asked = access_.has_value();
+    const auto step = runner_.step();
+    const bool busy = runner_.busy(), asked = state_.access.has_value();
     runner_.advance(now);
-    again = again || busy != runner_.busy() || step != runner_.state().step || asked != access_.has_value();
+    again = again || busy != runner_.busy() || step != runner_.step() || asked != state_.access.has_value();
   }
   std::optional<Instant> next = master_.next_deadline();
   if (const auto at = runner_.next_deadline(); at && (!next || *at < *next)) next = at;
   return next;
 }
 
-std::vector<CanopenEvent> CanopenStation::take_events() { return std::exchange(events_, {}); }
+std::vector<CanopenEvent> CanopenStation::take_events() { return std::exchange(state_.events, {}); }
 
 void CanopenStation::ask(const SdoTransfer& transfer) {
-  VINV_CHECK(!access_);
-  access_result_.reset();
-  access_ = master_.transfer(transfer);
-  if (!access_) access_result_ = Unexpected(std::string("too many transfers wait for this master"));
+  VINV_CHECK(!state_.access);
+  state_.access_result.reset();
+  state_.access = master_.transfer(transfer);
+  if (!state_.access) state_.access_result = Unexpected(std::string("too many transfers wait for this master"));
 }
 
 void CanopenStation::begin_write(Instant, std::uint8_t node, Item item, std::uint8_t size, std::uint32_t raw) {
@@ -116,7 +123,7 @@ void CanopenStation::begin_read(Instant, std::uint8_t node, Item item, std::uint
 }
 
 std::optional<Result<std::uint32_t, std::string>> CanopenStation::poll_access() {
-  return std::exchange(access_result_, std::nullopt);
+  return std::exchange(state_.access_result, std::nullopt);
 }
 
 void CanopenStation::command(Instant, std::uint8_t node, std::uint32_t command) {

@@ -32,6 +32,8 @@ class CanopenStation : public Station, private Access {
       return result;
     }
   }
+  // After the bus, which has the port's node.
+  void archive(Archive& a) override;
   const CanopenMaster& master() const { return master_; }
   // What happened since the last call, oldest first; at most CanopenMaster::kMaxEvents.
   std::vector<CanopenEvent> take_events();
@@ -55,9 +57,12 @@ class CanopenStation : public Station, private Access {
   CanopenMaster master_;
   std::unique_ptr<transports::CanPort> port_;
   WordRunner runner_;
-  std::optional<SdoId> access_;  // under way
-  std::optional<Result<std::uint32_t, std::string>> access_result_;
-  std::vector<CanopenEvent> events_;
+  struct State {
+    std::optional<SdoId> access;  // under way
+    std::optional<Result<std::uint32_t, std::string>> access_result;
+    std::vector<CanopenEvent> events;
+    VINV_ARCHIVE(State, access, access_result, events);
+  } state_;
 };
 
 // A frame as WireFrame has it, and back; empty if the bytes are no classical CAN frame.

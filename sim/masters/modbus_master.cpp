@@ -17,10 +17,24 @@ constexpr std::size_t kMaxRtuFrame = 256;
 
 }  // namespace
 
-ModbusMaster::ModbusMaster(const ModbusMasterSettings& settings) : settings_(settings) {
-  const modbus::SilentIntervals intervals = modbus::silent_intervals(settings.baud, settings.bits_per_character);
+ModbusMaster::ModbusMaster(const ModbusMasterSettings& settings) : settings_(settings) { follow_settings(); }
+
+void ModbusMaster::follow_settings() {
+  const modbus::SilentIntervals intervals = modbus::silent_intervals(settings_.baud, settings_.bits_per_character);
   character_ = intervals.character;
   silence_ = intervals.t3_5;
+}
+
+void ModbusMaster::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, settings, character, silence, state);
+  ModbusMasterSettings is = settings;
+  VINV_FIELDS(a, ModbusMaster, is, state);
+  a.require(is.framing == settings.framing, "a Modbus master has another framing");
+  a.require(is.baud > 0 && is.bits_per_character >= 8 && is.bits_per_character <= 12, "a serial line has no speed");
+  for (const Cycle& c : state.cycles) a.require(c.interval > Duration{}, "a cyclic request has no interval");
+  if (!a.loads() || a.failed()) return;
+  settings = is;
+  follow_settings();
 }
 
 Duration ModbusMaster::frame_time(std::size_t bytes) const {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 #include "sim/masters/modbus_request.hpp"
@@ -19,6 +20,7 @@
 namespace vinv::masters {
 
 enum class ModbusFraming : std::uint8_t { kRtu, kTcp };
+VINV_ENUM_RANGE(ModbusFraming, kRtu, kTcp);
 
 struct ModbusMasterSettings {
   ModbusFraming framing = ModbusFraming::kRtu;
@@ -27,6 +29,7 @@ struct ModbusMasterSettings {
   Duration timeout = std::chrono::milliseconds(500);
   unsigned retries = 2;  // after a time-out or a damaged answer; an exception is an answer
   Duration turnaround = std::chrono::milliseconds(100);
+  VINV_ARCHIVE(ModbusMasterSettings, framing, baud, bits_per_character, timeout, retries, turnaround);
 };
 
 using ModbusRequestId = std::uint32_t;
@@ -35,8 +38,13 @@ struct ModbusResult {
   ModbusRequestId id = 0;
   std::optional<std::size_t> cycle;  // of a cyclic request: its number
   ModbusRequest request;
-  ModbusAnswer answer;
+  ModbusAnswer answer = Unexpected(ModbusFailure{});
   unsigned attempts = 0;
+  friend void archive(Archive& a, ModbusResult& result) {
+    VINV_MEMBERS(result, id, cycle, request, answer, attempts);
+    VINV_FIELDS(a, ModbusResult, id, cycle, request, answer, attempts);
+    a.require(!answer || !answer->empty(), "a Modbus answer is empty");
+  }
 };
 
 class ModbusMaster {
@@ -72,23 +80,29 @@ class ModbusMaster {
   Duration frame_time(std::size_t bytes) const;
   const ModbusMasterSettings& settings() const { return settings_; }
 
-  // The whole session, for snapshots.
+  // Snapshots: the settings too; a load refuses another framing.
+  friend void archive(Archive& a, ModbusMaster& master) { master.archive_state(a); }
+
+ private:
   struct Waiting {
     ModbusRequestId id = 0;
     std::optional<std::size_t> cycle;
     ModbusRequest request;
+    VINV_ARCHIVE(Waiting, id, cycle, request);
   };
   struct Current {
     Waiting what;
     unsigned attempts = 0;             // sent so far
     std::uint16_t transaction_id = 0;  // kTcp: of the last attempt
     std::optional<Instant> answer_by;  // empty: to be sent (again)
+    VINV_ARCHIVE(Current, what, attempts, transaction_id, answer_by);
   };
   struct Cycle {
     ModbusRequest request;
     Duration interval{};
     Instant due_at{};  // adds the interval each time
     bool waits = false;
+    VINV_ARCHIVE(Cycle, request, interval, due_at, waits);
   };
   struct State {
     bool connected = false;
@@ -103,11 +117,12 @@ class ModbusMaster {
     bool damaged = false;
     std::optional<Instant> frame_ends_at;  // kRtu: 3.5 characters after the last one
     Instant line_free_at{};                // kRtu: the next request starts not before
+    VINV_ARCHIVE(State, connected, close_requested, next_id, next_transaction_id, queue, current, cycles, results,
+                 received, damaged, frame_ends_at, line_free_at);
   };
-  const State& state() const { return state_; }
-  void restore(State state) { state_ = std::move(state); }
 
- private:
+  void archive_state(Archive& a);
+  void follow_settings();
   void finish(const ModbusAnswer& answer);
   void report(Waiting what, const ModbusAnswer& answer, unsigned attempts);
   void attempt_failed(ModbusFailure failure);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/result.hpp"
 
@@ -17,6 +18,8 @@ enum class ModbusFunction : std::uint8_t {
   kDiagnostics = 0x08,
   kWriteMultipleRegisters = 0x10,
 };
+
+VINV_ENUM_RANGE(ModbusFunction, kReadHoldingRegisters, kWriteMultipleRegisters);
 
 inline constexpr std::uint8_t kModbusBroadcast = 0;
 
@@ -35,6 +38,11 @@ struct ModbusRequest {
   // The numbers of words are those that the function allows, and a broadcast writes.
   bool is_legal() const;
   friend bool operator==(const ModbusRequest&, const ModbusRequest&) = default;
+  friend void archive(Archive& a, ModbusRequest& request) {
+    VINV_MEMBERS(request, unit, function, address, quantity, values);
+    VINV_FIELDS(a, ModbusRequest, unit, function, address, quantity, values);
+    a.require(request.is_legal(), "a Modbus request is none");
+  }
 };
 
 struct ModbusFailure {
@@ -45,9 +53,11 @@ struct ModbusFailure {
     kException,     // the unit refuses: exception
     kNotConnected,  // no connection, or it ended before the answer
   };
+  friend VINV_ENUM_RANGE(Kind, kTimeout, kNotConnected);
   Kind kind = Kind::kTimeout;
   std::uint8_t exception = 0;  // kException: the code
   friend bool operator==(ModbusFailure, ModbusFailure) = default;
+  VINV_ARCHIVE(ModbusFailure, kind, exception);
 };
 // "exception 05", "no answer".
 std::string text_of(ModbusFailure failure);

@@ -7,8 +7,9 @@
 
 namespace vinv::masters {
 
-ModbusStation::ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSettings& settings, Dial dial)
-    : Station(scheduler), master_(settings), dial_(std::move(dial)), runner_(*this) {
+ModbusStation::ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSettings& settings, Dial dial,
+                             transports::MemoryNet* net)
+    : Station(scheduler), master_(settings), dial_(std::move(dial)), net_(net), runner_(*this) {
   connect(scheduler.now());
   settle(scheduler.now());
 }
@@ -16,15 +17,20 @@ ModbusStation::ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSet
 ModbusStation::~ModbusStation() = default;
 
 void ModbusStation::connect(Instant now) {
-  redial_at_.reset();
+  state_.redial_at.reset();
   stream_ = dial_(now);
   if (stream_ == nullptr) {
-    redial_at_ = now + kRedialDelay;
+    state_.redial_at = now + kRedialDelay;
     return;
   }
+  listen();
+  master_.handle_connected(now);
+}
+
+void ModbusStation::listen() {
   stream_->set_handlers(
       [this](Instant at, ByteView bytes, bool line_error) {
-        log(at, false, Bytes(bytes.begin(), bytes.end()));
+        log(at, false, Bytes(bytes.begin(), bytes.end()), connection());
         if (!silent()) master_.handle_bytes(at, bytes, line_error);
         settle(at);
       },
@@ -32,17 +38,33 @@ void ModbusStation::connect(Instant now) {
         disconnect(at);
         settle(at);
       });
-  master_.handle_connected(now);
+}
+
+void ModbusStation::archive(Archive& a) {
+  VINV_CHECK(net_ != nullptr);
+  Station::archive(a);
+  VINV_FIELDS(a, ModbusStation, master_, runner_, state_);
+  net_->archive_end(a, stream_);
+  runner_.require_client(a, 255, false);
+  a.require(runner_.in_access() == (state_.access || state_.access_result), "a master waits for an answer to nothing");
+  a.require(!master_.connected() || stream_ != nullptr, "a master is connected to nothing");
+  if (a.loads() && !a.failed() && stream_ != nullptr) listen();
+}
+
+// Both ends of a line in memory have one number.
+std::uint32_t ModbusStation::connection() const {
+  const bool tcp = master_.settings().framing == ModbusFraming::kTcp;
+  return tcp && stream_ != nullptr ? stream_->end_number() / 2 : 0;
 }
 
 void ModbusStation::disconnect(Instant now) {
   master_.handle_disconnected();
-  redial_at_ = now + kRedialDelay;
+  state_.redial_at = now + kRedialDelay;
 }
 
 void ModbusStation::transmit(Instant now, ByteView frame) {
   if (silent() || stream_ == nullptr) return;
-  log(now, true, Bytes(frame.begin(), frame.end()));
+  log(now, true, Bytes(frame.begin(), frame.end()), connection());
   stream_->send(now, frame);
 }
 
@@ -53,7 +75,7 @@ bool ModbusStation::send_frame(Instant now, ByteView frame) {
 }
 
 std::optional<Instant> ModbusStation::work(Instant now) {
-  if (redial_at_ && now >= *redial_at_) connect(now);
+  if (state_.redial_at && now >= *state_.redial_at) connect(now);
   for (bool again = true; again;) {
     again = false;
     master_.handle_timeout(now);
@@ -62,33 +84,33 @@ std::optional<Instant> ModbusStation::work(Instant now) {
     while (auto result = master_.poll_result()) {
       again = true;
       if (!result->answer && result->answer.error().kind == ModbusFailure::Kind::kTimeout) unanswered = true;
-      if (access_ != result->id) {
-        if (results_.size() >= ModbusMaster::kMaxResults) results_.erase(results_.begin());
-        results_.push_back(*std::move(result));
+      if (state_.access != result->id) {
+        if (state_.results.size() >= ModbusMaster::kMaxResults) state_.results.erase(state_.results.begin());
+        state_.results.push_back(*std::move(result));
         continue;
       }
-      access_.reset();
+      state_.access.reset();
       if (result->answer)
-        access_result_ = std::uint32_t{result->answer->front()};
+        state_.access_result = std::uint32_t{result->answer->front()};
       else
-        access_result_ = Unexpected(text_of(result->answer.error()));
+        state_.access_result = Unexpected(text_of(result->answer.error()));
     }
     if (unanswered && master_.connected() && master_.settings().framing == ModbusFraming::kTcp) {
       stream_->close();
       disconnect(now);
       again = true;
     }
-    const auto step = runner_.state().step;
-    const bool busy = runner_.busy(), asked = access_.has_value();
+    const auto step = runner_.step();
+    const bool busy = runner_.busy(), asked = state_.access.has_value();
     runner_.advance(now);
-    again = again || busy != runner_.busy() || step != runner_.state().step || asked != access_.has_value();
+    again = again || busy != runner_.busy() || step != runner_.step() || asked != state_.access.has_value();
   }
   std::optional<Instant> next = master_.next_deadline();
   const auto consider = [&](const std::optional<Instant>& at) {
     if (at && (!next || *at < *next)) next = at;
   };
   consider(runner_.next_deadline());
-  consider(redial_at_);
+  consider(state_.redial_at);
   return next;
 }
 
@@ -104,13 +126,13 @@ std::optional<std::size_t> ModbusStation::add_cycle(Instant now, ModbusRequest r
   return number;
 }
 
-std::vector<ModbusResult> ModbusStation::take_results() { return std::exchange(results_, {}); }
+std::vector<ModbusResult> ModbusStation::take_results() { return std::exchange(state_.results, {}); }
 
 void ModbusStation::ask(Instant now, ModbusRequest request) {
-  VINV_CHECK(!access_);
-  access_result_.reset();
-  access_ = master_.submit(now, std::move(request));
-  if (!access_) access_result_ = Unexpected(std::string("too many requests wait for this master"));
+  VINV_CHECK(!state_.access);
+  state_.access_result.reset();
+  state_.access = master_.submit(now, std::move(request));
+  if (!state_.access) state_.access_result = Unexpected(std::string("too many requests wait for this master"));
 }
 
 void ModbusStation::begin_write(Instant now, std::uint8_t node, Item item, std::uint8_t, std::uint32_t raw) {
@@ -122,7 +144,7 @@ void ModbusStation::begin_read(Instant now, std::uint8_t node, Item item, std::u
 }
 
 std::optional<Result<std::uint32_t, std::string>> ModbusStation::poll_access() {
-  return std::exchange(access_result_, std::nullopt);
+  return std::exchange(state_.access_result, std::nullopt);
 }
 
 // Profiles over Modbus have no steps of these kinds.

@@ -8,6 +8,7 @@
 #include "sim/masters/modbus_master.hpp"
 #include "sim/masters/station.hpp"
 #include "sim/transports/byte_stream.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::masters {
 
@@ -20,7 +21,9 @@ class ModbusStation : public Station, private Access {
 
   // The scheduler outlives the station. A serial line is dialled once and never lost. A TCP connection is dialled
   // again when it was closed, or when a request on it got no answer, as a half-open one must be.
-  ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSettings& settings, Dial dial);
+  // net: what dial connects through, for snapshots; it outlives the station.
+  ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSettings& settings, Dial dial,
+                transports::MemoryNet* net = nullptr);
   ~ModbusStation() override;
 
   bool send_frame(Instant now, ByteView frame) override;
@@ -30,6 +33,9 @@ class ModbusStation : public Station, private Access {
   std::optional<std::size_t> add_cycle(Instant now, ModbusRequest request, Duration interval);
   std::vector<ModbusResult> take_results();
 
+  // Of a station with a net, after the net and the other ends' owners.
+  void archive(Archive& a) override;
+
   bool connected() const { return master_.connected(); }
   const ModbusMaster& master() const { return master_; }
 
@@ -37,6 +43,8 @@ class ModbusStation : public Station, private Access {
   WordRunner& runner() override { return runner_; }
   std::optional<Instant> work(Instant now) override;
   void connect(Instant now);
+  void listen();
+  std::uint32_t connection() const;
   void disconnect(Instant now);
   void transmit(Instant now, ByteView frame);
 
@@ -51,12 +59,16 @@ class ModbusStation : public Station, private Access {
 
   ModbusMaster master_;
   Dial dial_;
+  transports::MemoryNet* net_;
   std::unique_ptr<transports::ByteStream> stream_;
-  std::optional<Instant> redial_at_;
   WordRunner runner_;
-  std::optional<ModbusRequestId> access_;  // under way
-  std::optional<Result<std::uint32_t, std::string>> access_result_;
-  std::vector<ModbusResult> results_;
+  struct State {
+    std::optional<Instant> redial_at;
+    std::optional<ModbusRequestId> access;  // under way
+    std::optional<Result<std::uint32_t, std::string>> access_result;
+    std::vector<ModbusResult> results;
+    VINV_ARCHIVE(State, redial_at, access, access_result, results);
+  } state_;
 };
 
 }  // namespace vinv::masters

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 #include "sim/kernel/scheduler.hpp"
@@ -22,6 +23,7 @@ struct WireFrame {
   Instant at;
   bool sent = false;  // by this master
   Bytes bytes;
+  std::uint32_t connection = 0;  // tells the TCP connections of a plant apart
 };
 
 class Station {
@@ -47,6 +49,10 @@ class Station {
   void set_silent(Instant now, bool silent);
   bool silent() const { return silent_; }
 
+  // Snapshots (docs/decisions/0005-snapshots.md), not from within a handler: after the scheduler and what carries the
+  // wire. A load is for a station made alike, before the plant was loaded; on_wire() stays.
+  virtual void archive(Archive& a);
+
   void on_wire(std::function<void(const WireFrame&)> handler) { on_wire_ = std::move(handler); }
   kernel::Scheduler& scheduler() { return scheduler_; }
 
@@ -56,9 +62,11 @@ class Station {
   virtual std::optional<Instant> work(Instant now) = 0;
   // After anything that happened.
   void settle(Instant now);
-  void log(Instant now, bool sent, Bytes bytes);
+  void log(Instant now, bool sent, Bytes bytes, std::uint32_t connection = 0);
 
  private:
+  void wake(Instant now);
+
   kernel::Scheduler& scheduler_;
   kernel::EventId wake_event_ = 0;
   std::optional<Instant> wake_at_;

@@ -213,7 +213,7 @@ void WordRunner::on_value(const Result<std::uint32_t, std::string>& answer) {
     if (!answer) return fail(access_.name_of(row.item) + ": " + with_meaning(answer.error()));
     const std::uint32_t raw = *answer & row.mask;
     const double number = row.is_signed ? static_cast<double>(sign_extended(raw, row.size)) : raw;
-    return finish(Reading{number * row.scale, row.unit});
+    return finish(Reading{number * row.scale, std::string(row.unit)});
   }
   if (!answer) return fail(parameter_name(order) + ": " + with_meaning(answer.error()));
   if (order.word == Word::kWriteParameter) return finish(Reading{});
@@ -265,6 +265,44 @@ void WordRunner::advance(Instant now) {
       access_.begin_read(now, order.node, step.item, step.size);
     }
   }
+}
+
+void WordRunner::archive_state(Archive& a) {
+  VINV_MEMBERS(state_, profile, order, step, begun, in_access, stale, wake_at, give_up_at, emergencies_before,
+               last_seen, memory, outcome);
+  std::string board(profile != nullptr ? profile->board : "");
+  std::string protocol(profile != nullptr ? profile->protocol : "");
+  VINV_FIELDS(a, WordRunner, board, protocol, order, step, begun, in_access, stale, wake_at, give_up_at,
+              emergencies_before, last_seen, memory, outcome);
+  if (!a.loads() || a.failed()) return;
+  profile = find_profile(board, protocol);
+  if (profile == nullptr && !board.empty())
+    return a.fail("a master of the snapshot speaks to board " + board + " over " + protocol +
+                  ", of which this program knows nothing");
+  // What the order relies on.
+  a.require(!(in_access && stale) && (order || (!in_access && !wake_at)), "a master has done two things at once");
+  if (!order || a.failed()) return;
+  a.require(profile != nullptr && step < profile->steps.size() && memory.contains(order->node) && order->node >= 1,
+            "a master's order is none");
+  if (a.failed()) return;
+  const Act act = profile->steps[step].act;
+  if (reads_or_writes_one(order->word)) {
+    a.require(order->word != Word::kMonitor || !in_access || profile->monitor(order->monitor) != nullptr,
+              "a master reads a monitor that there is not");
+    a.require(!wake_at, "a master waits for nothing");
+  } else {
+    const bool asks = act == Act::kWrite || act == Act::kSkipIf || act == Act::kAwait;
+    a.require(!in_access || asks, "a master has an answer to come that it did not ask for");
+    a.require(!wake_at || act == Act::kAwait || act == Act::kListen, "a master waits for nothing");
+  }
+}
+
+void WordRunner::require_client(Archive& a, unsigned last_node, bool has_images) const {
+  if (!a.loads() || a.failed() || !state_.order) return;
+  a.require(state_.order->node <= last_node, "a master's order is for a node that there cannot be");
+  for (const ProfileStep& s : state_.profile->steps)
+    a.require(has_images || s.act == Act::kWrite || s.act == Act::kAwait || s.act == Act::kSkipIf,
+              "a master's order is for another protocol");
 }
 
 }  // namespace vinv::masters

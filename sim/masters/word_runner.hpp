@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 #include "sim/masters/profile.hpp"
 
@@ -47,11 +48,22 @@ class WordRunner {
   std::optional<Outcome> poll();
   bool busy() const { return state_.order.has_value(); }
 
+  // The row that the order under way has come to; 0 of one that reads or writes a single value.
+  std::size_t step() const { return state_.step; }
+  // The client has been asked and its answer not taken yet.
+  bool in_access() const { return state_.in_access || state_.stale; }
+
+  // Snapshots: the profile by board and protocol; a load is refused if it is not one of profiles().
+  friend void archive(Archive& a, WordRunner& runner) { runner.archive_state(a); }
+  // While loading: the order under way is for a node and of acts that the client has.
+  void require_client(Archive& a, unsigned last_node, bool has_images) const;
+
+ private:
   struct Memory {
     bool reverse = false;
     double rpm = 0;
+    VINV_ARCHIVE(Memory, reverse, rpm);
   };
-  // For snapshots.
   struct State {
     const BoardProfile* profile = nullptr;  // of the order; one of profiles(), or a test's
     std::optional<Order> order;             // under way
@@ -66,10 +78,8 @@ class WordRunner {
     std::map<std::uint8_t, Memory> memory;
     std::optional<Outcome> outcome;
   };
-  const State& state() const { return state_; }
-  void restore(State state) { state_ = std::move(state); }
 
- private:
+  void archive_state(Archive& a);
   void finish(Outcome outcome);
   void fail(const std::string& what);
   void next_step(std::size_t skip = 0);

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/result.hpp"
 
 namespace vinv::masters {
@@ -26,6 +27,7 @@ enum class Word : std::uint8_t {
   kReadParameter,
   kMonitor,
 };
+VINV_ENUM_RANGE(Word, kEnterNetwork, kMonitor);
 inline constexpr std::size_t kWords = 13;
 std::string_view name_of(Word word);  // "enter network", "run forward"
 
@@ -37,11 +39,13 @@ struct Order {
   std::uint8_t sub = 0;         // of Pr.902-905: 1 frequency, 2 analog value
   double increment = 1;         // of the parameter: its physical value is the raw word times this
   std::string monitor;          // kMonitor: a name of the profile, "output_frequency"
+  VINV_ARCHIVE(Order, node, word, value, parameter, sub, increment, monitor);
 };
 
 struct Reading {
   double value = 0;
-  std::string_view unit;  // "Hz"; empty: none
+  std::string unit;  // "Hz"; empty: none
+  VINV_ARCHIVE(Reading, value, unit);
 };
 // What came of an order; the error is a sentence without full stop that has the protocol's own code.
 using Outcome = Result<Reading, std::string>;

@@ -12,6 +12,10 @@ void BoardLine::connect(Instant now, std::unique_ptr<transports::ByteStream> str
   told_.reset();
   for (boards::SerialChannel* channel : channels_) channel->set_receive_slack(now, options_.receive_slack);
   follow_settings();
+  listen();
+}
+
+void BoardLine::listen() {
   stream_->set_handlers([this](Instant at, ByteView bytes, bool error) { handle_bytes(at, bytes, error); },
                         [](Instant, const std::string&) {});
 }
@@ -37,6 +41,20 @@ void BoardLine::follow_settings() {
   if (told_ == wanted) return;
   told_ = wanted;
   options_.on_settings(wanted);
+}
+
+void BoardLine::archive(Archive& a, transports::MemoryNet& net, WireTap& tap, const OnTraffic& on_traffic) {
+  // Lines in memory have no options, and nobody to tell settings to.
+  VINV_MEMBERS(*this, channels, stream, options, traffic, told);
+  std::unique_ptr<transports::ByteStream> none;
+  net.archive_end(a, is_outside() ? none : stream);
+  if (!a.loads() || a.failed()) return;
+  options = {};
+  told.reset();
+  if (stream == nullptr) return;
+  stream = tap.wrap(std::move(stream));
+  traffic = on_traffic;
+  listen();
 }
 
 }  // namespace vinv::rig

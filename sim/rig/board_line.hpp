@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "option_boards/boards/option_board.hpp"
+#include "sim/rig/wire_tap.hpp"
 #include "sim/transports/byte_stream.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::rig {
 
@@ -31,11 +33,19 @@ class BoardLine {
   void add(boards::SerialChannel& channel) { channels_.push_back(&channel); }
   void connect(Instant now, std::unique_ptr<transports::ByteStream> stream, LineOptions options, OnTraffic on_traffic);
 
+  bool connected() const { return stream_ != nullptr; }
   void send(Instant now, ByteView frame);
   // Tells the carrier when the boards want other settings than before.
   void follow_settings();
 
+  // Something outside the plant carries its bytes: a snapshot leaves it out.
+  bool is_outside() const { return stream_ != nullptr && stream_->end_number() == 0; }
+  // Snapshots: after the boards and the net of which the line's carrier is, if any. A load wraps it anew by the tap,
+  // which is archived after it.
+  void archive(Archive& a, transports::MemoryNet& net, WireTap& tap, const OnTraffic& on_traffic);
+
  private:
+  void listen();
   void handle_bytes(Instant now, ByteView bytes, bool line_error);
 
   std::vector<boards::SerialChannel*> channels_;

@@ -116,4 +116,16 @@ void CanLine::follow_outside(Instant now) {
   }
 }
 
+void CanLine::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, bus, controllers, bridge, seed, faults);
+  VINV_CHECK(bridge == nullptr);
+  VINV_FIELDS(a, CanLine, bus, seed, faults);
+  a.must_match("number of boards on CAN bus " + bus.options().name, controllers.size());
+  for (const auto& controller : controllers) {
+    VINV_MEMBERS(*controller, channel, node, on_traffic, bitrate, settling, bus_off, plugged);
+    VINV_CHECK(!settling);
+    VINV_FIELDS(a, Controller, bitrate, bus_off, plugged);
+  }
+}
+
 }  // namespace vinv::rig

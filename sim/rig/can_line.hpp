@@ -41,6 +41,11 @@ class CanLine {
 
   // Of the chance by which later faults strike; 1 until set.
   void set_seed(std::uint64_t seed) { seed_ = seed; }
+  // Of those that there are, too.
+  void reseed(std::uint64_t seed) {
+    seed_ = seed;
+    bus_.reseed(seed);
+  }
   // Faults that last until they are cleared. A rule takes the place of one with the same fault, node and identifier;
   // one that never acts only removes that.
   void set_fault(const transports::CanFaultRule& rule);
@@ -53,6 +58,9 @@ class CanLine {
   const transports::CanNode& controller(std::size_t number) const { return *controllers_[number]->node; }
   // nullptr on a bus of ours.
   const transports::CanBridge* bridge() const { return bridge_.get(); }
+
+  // Snapshots: the bus, and its controllers as they were last settled. Not of a line that is joined to another bus.
+  friend void archive(Archive& a, CanLine& line) { line.archive_state(a); }
 
  private:
   struct Controller {
@@ -67,6 +75,7 @@ class CanLine {
 
   void follow_state(Instant now, Controller& controller);
   void follow_outside(Instant now);
+  void archive_state(Archive& a);
 
   transports::CanBus bus_;
   std::vector<std::unique_ptr<Controller>> controllers_;

@@ -49,11 +49,9 @@ Json power(const Context& c) {
   // Long enough for the control supply to be gone for good.
   constexpr Duration kOffTime = std::chrono::seconds(2);
   c.plant.set_power(c.drive, false);
-  c.drive.power_returns = scheduler.schedule(c.plant.now() + kOffTime, kernel::Priority::kStimulus,
-                                             [&plant = c.plant, &drive = c.drive](Instant) {
-                                               drive.power_returns = 0;
-                                               plant.set_power(drive, true);
-                                             });
+  c.drive.power_returns =
+      scheduler.schedule(c.plant.now() + kOffTime, kernel::Priority::kStimulus,
+                         [&plant = c.plant, &drive = c.drive](Instant) { plant.return_power(drive); });
   return "off for 2 s";
 }
 
@@ -72,11 +70,7 @@ Json mains(const Context& c) {
     if (c.drive.dip_ends != 0) scheduler.cancel(c.drive.dip_ends);
     c.drive.dip_fraction = depth;
     c.drive.dip_ends = scheduler.schedule(c.plant.now() + seconds_to_duration(seconds), kernel::Priority::kStimulus,
-                                          [&drive = c.drive](Instant) {
-                                            drive.dip_ends = 0;
-                                            drive.dip_fraction = 0;
-                                            drive.apply_mains();
-                                          });
+                                          [&drive = c.drive](Instant) { drive.end_dip(); });
   }
   c.drive.apply_mains();
   return Json{{"voltage_V", c.drive.mains.voltage_v_rms * (1 - c.drive.dip_fraction)}};
@@ -203,12 +197,8 @@ Json reset(const Context& c) {
   auto& scheduler = c.plant.scheduler();
   set_terminal(c, "RES", true);
   if (c.drive.reset_released != 0) scheduler.cancel(c.drive.reset_released);
-  c.drive.reset_released =
-      scheduler.schedule(c.plant.now() + kResetPulse, kernel::Priority::kStimulus, [&drive = c.drive](Instant) {
-        drive.reset_released = 0;
-        // The terminal exists: it was switched on above.
-        static_cast<void>(drive.inverter->set_terminal("RES", false));
-      });
+  c.drive.reset_released = scheduler.schedule(c.plant.now() + kResetPulse, kernel::Priority::kStimulus,
+                                              [&drive = c.drive](Instant) { drive.release_reset(); });
   return "by terminal RES for 100 ms";
 }
 
@@ -282,15 +272,12 @@ Json load(const Context& c) {
   auto& scheduler = c.plant.scheduler();
   if (c.drive.load_ramp_ends != 0) scheduler.cancel(std::exchange(c.drive.load_ramp_ends, 0));
   c.inverter().set_load(load);
-  if (ramp_s)
-    c.drive.load_ramp_ends = scheduler.schedule(c.plant.now() + seconds_to_duration(*ramp_s),
-                                                kernel::Priority::kStimulus, [&drive = c.drive, target_nm](Instant) {
-                                                  drive.load_ramp_ends = 0;
-                                                  plant::LoadSettings settled = drive.inverter->plant().load();
-                                                  settled.constant_nm = target_nm;
-                                                  settled.table.clear();
-                                                  drive.inverter->set_load(settled);
-                                                });
+  if (ramp_s) {
+    c.drive.load_ramp_nm = target_nm;
+    c.drive.load_ramp_ends =
+        scheduler.schedule(c.plant.now() + seconds_to_duration(*ramp_s), kernel::Priority::kStimulus,
+                           [&drive = c.drive](Instant) { drive.end_load_ramp(); });
+  }
   return Json{{"torque_Nm", target_nm},
               {"linear_Nm_at_rated", load.linear_nm_s * rated_rad_s},
               {"quadratic_Nm_at_rated", load.quadratic_nm_s2 * rated_rad_s * rated_rad_s},

@@ -44,6 +44,7 @@ struct DriveUnit {
   // The mains are what the plant file or `mains: {voltage}` says, less a dip and lost phases.
   plant::MainsState mains;
   double dip_fraction = 0;
+  double load_ramp_nm = 0;       // constant torque at the end of a load's ramp
   kernel::EventId dip_ends = 0;  // pending events of commands that take time; 0: none
   kernel::EventId power_returns = 0;
   kernel::EventId reset_released = 0;
@@ -69,6 +70,24 @@ struct DriveUnit {
     plant::MainsState now = mains;
     now.voltage_v_rms *= 1 - dip_fraction;
     inverter->set_mains(now);
+  }
+  // What these events do.
+  void end_dip() {
+    dip_ends = 0;
+    dip_fraction = 0;
+    apply_mains();
+  }
+  void release_reset() {
+    reset_released = 0;
+    // Its owner found the terminal when it was switched on.
+    static_cast<void>(inverter->set_terminal("RES", false));
+  }
+  void end_load_ramp() {
+    load_ramp_ends = 0;
+    plant::LoadSettings settled = inverter->plant().load();
+    settled.constant_nm = load_ramp_nm;
+    settled.table.clear();
+    inverter->set_load(settled);
   }
 };
 

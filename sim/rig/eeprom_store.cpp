@@ -54,7 +54,8 @@ void write_whole_file(const std::string& path, std::string_view text, FileSync s
     if (sync == FileSync::kYes && ::fsync(file.fd) != 0) give_up(temporary, errno);
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) give_up(path, errno);
-  if (sync == FileSync::kYes) sync_folder(fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".");
+  if (sync == FileSync::kYes)
+    sync_folder(fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".");
 }
 
 EepromStore::EepromStore(std::string folder) : folder_(std::move(folder)) {

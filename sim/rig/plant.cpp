@@ -11,12 +11,13 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
     : file_(std::move(file)),
       scheduler_(scheduler),
       clock_(std::move(options.clock)),
+      net_(scheduler),
       lines_(file_.serial.size()),
       drives_on_line_(file_.serial.size()),
       serial_taps_(file_.serial.size(), WireTap(scheduler)),
       tcp_taps_(file_.tcp.size(), WireTap(scheduler)) {
-  for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].set_seed(options.seed + i);
-  for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].set_seed(options.seed + i);
+  for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].reseed(options.seed + i);
+  for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].reseed(options.seed + i);
   for (std::size_t i = 0; i < file_.tcp.size(); ++i) ports_.push_back(std::make_unique<TcpPort>(scheduler_));
   for (const CanNetwork& net : file_.can) {
     buses_.push_back(std::make_unique<CanLine>(scheduler_, net));
@@ -26,6 +27,12 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
     drives_.push_back(build(spec, options));
     if (drives_.back()->board) wire(*drives_.back());
   }
+}
+
+void Plant::reseed(std::uint64_t seed) {
+  for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].reseed(seed + i);
+  for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].reseed(seed + i);
+  for (std::size_t i = 0; i < buses_.size(); ++i) buses_[i]->reseed(seed + i);
 }
 
 // The board is fitted.
@@ -151,9 +158,13 @@ DriveUnit* Plant::find(std::string_view name) {
 }
 
 void Plant::connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options) {
-  lines_[line].connect(now(), serial_taps_[line].wrap(std::move(stream)), std::move(options), [this, line](Instant at) {
+  lines_[line].connect(now(), serial_taps_[line].wrap(std::move(stream)), std::move(options), traffic_of(line));
+}
+
+BoardLine::OnTraffic Plant::traffic_of(std::size_t line) {
+  return [this, line](Instant at) {
     for (DriveUnit* d : drives_on_line_[line]) settle(at, *d);
-  });
+  };
 }
 
 void Plant::accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream) {
@@ -178,6 +189,11 @@ void Plant::set_power(DriveUnit& drive, bool on) {
   drive.inverter->set_power(on);
   follow_power(now(), drive);
   settle(now(), drive);
+}
+
+void Plant::return_power(DriveUnit& drive) {
+  drive.power_returns = 0;
+  set_power(drive, true);
 }
 
 void Plant::follow_power(Instant now, DriveUnit& d) {
@@ -213,13 +229,15 @@ void Plant::settle(Instant now, DriveUnit& d) {
   d.board_deadline = deadline;
   d.board_event = 0;
   if (!deadline) return;
-  DriveUnit* drive = &d;
-  d.board_event = scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard, [this, drive](Instant at) {
-    drive->board_event = 0;
-    drive->board_deadline.reset();
-    drive->board->handle_timeout(at);
-    settle(at, *drive);
-  });
+  d.board_event = scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard,
+                                      [this, drive = &d](Instant at) { board_timeout(at, *drive); });
+}
+
+void Plant::board_timeout(Instant now, DriveUnit& d) {
+  d.board_event = 0;
+  d.board_deadline.reset();
+  d.board->handle_timeout(now);
+  settle(now, d);
 }
 
 void Plant::collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store) {

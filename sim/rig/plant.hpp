@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/kernel/scheduler.hpp"
 #include "sim/rig/board_line.hpp"
 #include "sim/rig/can_line.hpp"
@@ -20,6 +21,7 @@
 #include "sim/rig/plant_file.hpp"
 #include "sim/rig/tcp_port.hpp"
 #include "sim/rig/wire_tap.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::rig {
 
@@ -55,8 +57,12 @@ class Plant {
   DriveUnit* find(std::string_view name);
 
   // Wires, by their index in the plant file.
+  // Somebody outside the plant has the line's other end: a pseudo-terminal, a serial adapter.
+  bool serial_is_outside(std::size_t line) const { return lines_[line].is_outside(); }
   void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
+  // Lines in memory that snapshots hold, for masters in virtual time.
+  transports::MemoryNet& net() { return net_; }
   CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
   // The bus that the drive's board hangs on; nullptr if none.
   CanLine* can_line_of(const DriveUnit& drive);
@@ -66,11 +72,30 @@ class Plant {
 
   // The drive's own breaker; its board follows.
   void set_power(DriveUnit& drive, bool on);
+  // The end of a power cycle.
+  void return_power(DriveUnit& drive);
   // Hands out the EEPROM of each drive that has changed since the last call.
   void collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store);
   // Drives and their boards are up: nobody is in start-up. Drives without power count as up.
   bool settled() const;
   std::uint64_t ticks() const { return ticks_; }
+
+  // --- snapshots of a plant in virtual time (docs/decisions/0005-snapshots.md) ---
+
+  // Why none can be taken now, a sentence; empty if one can: before the first tick, and right after each tick on the
+  // inverters' grid, as long as nobody outside the plant is connected to it. Lines in memory of net() are inside.
+  std::string snapshot_objection() const;
+  // All of it, fault plans and random numbers included. Refused with snapshot_objection().
+  Result<void, std::string> save(Bytes& out);
+  // Into a plant of the same file that has the same nodes on its CAN buses, started or not; it goes on byte for byte as
+  // the one that was saved. A refused load leaves the plant as it was. Observers' events on the scheduler are dropped.
+  Result<void, std::string> load(ByteView snapshot);
+  // Another PlantOptions::seed from here on: a continuation with other luck.
+  void reseed(std::uint64_t seed);
+  // As a part of a larger snapshot, with scheduler and net: the owner asks snapshot_objection() before it saves or
+  // loads, archives its own ends of lines and its events after the plant, and then calls MemoryNet::archive_owners()
+  // and Scheduler::archive_waiting().
+  friend void archive(Archive& a, Plant& plant) { plant.archive_state(a); }
 
  private:
   std::unique_ptr<DriveUnit> build(const DriveSpec& spec, const PlantOptions& options);
@@ -81,11 +106,17 @@ class Plant {
   void tick(Instant now);
   void settle(Instant now, DriveUnit& drive);
   void follow_power(Instant now, DriveUnit& drive);
+  void board_timeout(Instant now, DriveUnit& drive);
+  BoardLine::OnTraffic traffic_of(std::size_t line);
+  void archive_state(Archive& a);
+  void archive_drive(Archive& a, DriveUnit& drive);
+  std::string signature() const;
 
   PlantFile file_;
   kernel::Scheduler& scheduler_;
   std::function<Instant()> clock_;
   std::vector<std::unique_ptr<DriveUnit>> drives_;
+  transports::MemoryNet net_;
   std::vector<BoardLine> lines_;
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;

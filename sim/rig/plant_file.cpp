@@ -11,6 +11,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "sim/base/archive.hpp"
 #include "sim/rig/motor_source.hpp"
 #include "sim/rig/network_reader.hpp"
 #include "sim/rig/node_plan.hpp"
@@ -67,6 +68,11 @@ class Loader {
         return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
       });
       throw PlantFileError(file_.path, std::move(list));
+    }
+    if (root != nullptr) {
+      YAML::Emitter said;
+      said << YAML::Flow << *root;
+      file_.checksum = snapshot_checksum({reinterpret_cast<const std::uint8_t*>(said.c_str()), said.size()});
     }
     return std::move(file_);
   }

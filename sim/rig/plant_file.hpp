@@ -93,6 +93,7 @@ struct PlantFile {
   std::vector<TcpNetwork> tcp;
   std::vector<CanNetwork> can;
   std::vector<DriveSpec> drives;
+  std::uint64_t checksum = 0;  // of what the file says, without comments and line breaks
 };
 
 inline constexpr std::size_t kMaxPlantFileBytes = 4 * 1024 * 1024;

@@ -8,8 +8,11 @@
 
 #include "option_boards/modbus/tcp_session.hpp"
 #include "option_boards/modbus/unit_table.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/kernel/scheduler.hpp"
+#include "sim/rig/wire_tap.hpp"
 #include "sim/transports/byte_stream.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::rig {
 
@@ -25,16 +28,26 @@ class TcpPort {
   // Sends the answers that have become due; after each tick of the drives.
   void poll(Instant now);
   std::size_t connections() const { return connections_.size(); }
+  // Connections of clients outside the plant; a snapshot leaves them out.
+  std::size_t outside() const;
+
+  // Before a load: the sessions end while the units are still theirs.
+  void drop();
+  // Snapshots: after the units and the net of which the connections are. A load is for a port without any; it wraps
+  // them anew by the tap, which is archived after it.
+  void archive(Archive& a, transports::MemoryNet& net, WireTap& tap);
 
  private:
   struct Connection {
-    Connection(std::unique_ptr<transports::ByteStream> s, modbus::ClientId client, modbus::UnitRouter& router)
-        : stream(std::move(s)), session(client, router) {}
+    Connection(std::unique_ptr<transports::ByteStream> s, modbus::ClientId number, modbus::UnitRouter& router)
+        : stream(std::move(s)), client(number), session(number, router) {}
     std::unique_ptr<transports::ByteStream> stream;
+    modbus::ClientId client;
     modbus::TcpSession session;
     bool closed = false;
   };
 
+  void listen(Connection& connection);
   void drain(Instant now, Connection& connection);
   void retire(Connection& connection);
 

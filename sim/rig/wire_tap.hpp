@@ -17,22 +17,32 @@ class WireTap {
 
   std::unique_ptr<transports::ByteStream> wrap(std::unique_ptr<transports::ByteStream> stream);
 
-  // Of the chance by which faults strike streams that come later; 1 until set.
-  void set_seed(std::uint64_t seed) { seed_ = seed; }
-  // Lasts until it is cleared, on connections to come too, each of which counts for itself. A rule takes the place of
-  // one with the same fault and direction; one that never acts only removes that.
+  // Of the chance by which faults strike; 1 until set.
+  void reseed(std::uint64_t seed) {
+    seed_ = seed;
+    if (course_ != nullptr) course_->reseed(seed);
+  }
+  // Lasts until it is cleared, on connections to come too, and pieces are counted over all of them. A rule takes the
+  // place of one with the same fault and direction, and then counts and chance begin anew; one that never acts only
+  // removes that.
   void set_fault(const transports::FaultRule& rule);
   void clear_faults();
   // The connections that there are stay so for ever; new ones are whole.
   void half_open();
-  const std::vector<transports::FaultRule>& faults() const { return faults_; }
+  const std::vector<transports::FaultRule>& faults() const;
+
+  // Snapshots: of a tap whose streams are lines in memory, after the owners of these; a load expects them wrapped anew
+  // in the same order. Streams that are outside the plant are left out.
+  friend void archive(Archive& a, WireTap& tap) { tap.archive_state(a); }
 
  private:
+  void archive_state(Archive& a);
   void forget_dead();
+  transports::FaultCourse& course();
 
   kernel::Scheduler& scheduler_;
   std::uint64_t seed_ = 1;
-  std::vector<transports::FaultRule> faults_;
+  std::shared_ptr<transports::FaultCourse> course_;  // of all streams; made when it is needed
   std::vector<transports::FaultInjector::Handle> streams_;
 };
 

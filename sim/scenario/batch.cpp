@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "sim/rig/words.hpp"
+#include "sim/scenario/virtual_run.hpp"
 
 namespace vinv::scenario {
 namespace {

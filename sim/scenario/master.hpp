@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
@@ -35,6 +36,11 @@ class Master {
   virtual void send_frame(Instant now, ByteView frame) = 0;
   // Frames that have arrived since the last call, oldest first.
   virtual std::vector<Bytes> take_frames() = 0;
+
+  // Snapshots. Before the plant: the wires that it is on, made anew in a load, so that the plant finds them.
+  virtual void archive_wires(Archive& a) = 0;
+  // After the plant: all else, with its events.
+  virtual void archive_state(Archive& a) = 0;
 };
 
 struct MasterContext {

@@ -104,7 +104,7 @@ Observer::Judgement Observer::judge(const Expectation& e, double widen, bool wit
         case Text::kAlarm: text(seen_.alarm); break;
         case Text::kMode: text(std::string(rig::mode_name(seen_.mode))); break;
         case Text::kDisplay: text(drive_.inverter->display()); break;
-        case Text::kLed: text(std::string(seen_.led)); break;
+        case Text::kLed: text(seen_.led); break;
       }
       break;
     case Observable::Kind::kParameter: {
@@ -120,6 +120,25 @@ Observer::Judgement Observer::judge(const Expectation& e, double widen, bool wit
 
 bool Observer::holds(const Condition& c, double widen) const {
   return std::all_of(c.begin(), c.end(), [&](const Expectation& e) { return judge(e, widen, false).holds; });
+}
+
+void archive(Archive& a, Snapshot& snapshot) {
+  VINV_MEMBERS(snapshot, signals, states, alarm, mode, led, terminals);
+  VINV_FIELDS(a, Snapshot, signals, states, alarm, mode, led);
+  const std::size_t count = a.count(terminals.size());
+  if (a.loads()) terminals.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    bool on = terminals[i];
+    a.io(on);
+    terminals[i] = on;
+  }
+}
+
+void Observer::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, drive, names, units, terminals, set_frequency, output_frequency, run_state, seen);
+  a.io(seen);
+  a.require(seen.signals.size() == names.size() && seen.terminals.size() == terminals.size(),
+            "a drive has other signals or terminals");
 }
 
 }  // namespace vinv::scenario

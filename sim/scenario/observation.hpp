@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/rig/drive_unit.hpp"
 #include "sim/scenario/scenario.hpp"
 
@@ -43,8 +44,9 @@ struct Snapshot {
   std::array<bool, kStateCount> states{};
   std::string alarm;  // kNoAlarm without one
   port::OperationMode mode{};
-  std::string_view led;
+  std::string led;
   std::vector<bool> terminals;  // in the order of Inverter::terminals()
+  friend void archive(Archive& a, Snapshot& snapshot);
 };
 
 class Observer {
@@ -59,6 +61,8 @@ class Observer {
 
   void look();  // takes a new snapshot
   const Snapshot& seen() const { return seen_; }
+  // What it saw last. Its drive has the signals and terminals of the one that was saved.
+  friend void archive(Archive& a, Observer& observer) { observer.archive_state(a); }
 
   struct Judgement {
     bool holds = false;
@@ -71,6 +75,8 @@ class Observer {
   double number(const Observable& o) const;  // of a signal
 
  private:
+  void archive_state(Archive& a);
+
   const rig::DriveUnit& drive_;
   std::vector<std::string> names_;
   std::vector<std::string> units_;

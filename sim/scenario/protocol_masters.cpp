@@ -9,7 +9,7 @@
 #include "sim/masters/modbus_station.hpp"
 #include "sim/rig/quantity.hpp"
 #include "sim/rig/words.hpp"
-#include "sim/transports/memory_link.hpp"
+#include "sim/transports/memory_net.hpp"
 
 namespace vinv::scenario {
 namespace {
@@ -52,7 +52,25 @@ masters::ModbusMasterSettings modbus_settings(const boards::LineSettings& line) 
   return s;
 }
 
-class ProtocolMaster : public Master {
+// Of one master, beside its wires.
+struct State {
+  masters::Station* station_ = nullptr;  // spoken on last
+  rig::DriveUnit* drive_ = nullptr;
+  const masters::BoardProfile* profile_ = nullptr;
+  std::vector<std::pair<std::string, masters::Order>> orders_;  // still to be done, with their names
+  Json readings_;
+  std::optional<Master::Outcome> outcome_;
+};
+
+void archive_json(Archive& a, Json& value) {
+  std::string text = a.loads() ? std::string() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  a.io(text);
+  if (!a.loads() || a.failed()) return;
+  value = Json::parse(text, nullptr, false);
+  a.require(!value.is_discarded(), "an answer is no JSON");
+}
+
+class ProtocolMaster : public Master, private State {
  public:
   ProtocolMaster(const Kind& kind, const MasterContext& context) : kind_(kind), context_(context) {}
 
@@ -105,9 +123,66 @@ class ProtocolMaster : public Master {
 
   std::vector<Bytes> take_frames() override {
     std::vector<Bytes> all;
-    for (const auto& [wire, station] : stations_)
-      for (Bytes& frame : station->take_frames()) all.push_back(std::move(frame));
+    for (const auto& [wire, wired] : stations_)
+      for (Bytes& frame : wired.station->take_frames()) all.push_back(std::move(frame));
     return all;
+  }
+
+  void archive_wires(Archive& a) override {
+    const auto& drives = context_.plant.drives();
+    const std::size_t count = a.count(stations_.size(), drives.size());
+    if (a.loads()) {
+      station_ = nullptr;
+      stations_.clear();
+    }
+    auto at = stations_.begin();
+    for (std::size_t i = 0; i < count && !a.failed(); ++i) {
+      std::size_t drive = a.loads() ? 0 : (at++)->second.drive;
+      a.io(drive);
+      a.require(drive < drives.size() && station_of(context_.plant.now(), *drives[drive]) != nullptr,
+                "a master is on a wire that there is not");
+    }
+    a.require(stations_.size() == count, "a master is on one wire twice");
+  }
+
+  void archive_state(Archive& a) override {
+    auto& drives = context_.plant.drives();
+    VINV_MEMBERS(static_cast<State&>(*this), station, drive, profile, orders, readings, outcome);
+    // By what they are found by.
+    std::optional<std::size_t> wire, spoken_to;
+    for (const auto& [number, wired] : stations_)
+      if (wired.station.get() == station) wire = number;
+    for (std::size_t i = 0; i < drives.size(); ++i)
+      if (drives[i].get() == drive) spoken_to = i;
+    VINV_FIELDS(a, ProtocolMaster, wire, spoken_to, orders);
+    archive_json(a, readings);
+    bool present = outcome.has_value();
+    a.io(present);
+    if (present) {
+      bool done = outcome && outcome->has_value();
+      Json value = done && !a.loads() ? **outcome : Json();
+      std::string refusal = outcome && !done ? outcome->error() : std::string();
+      a.io(done);
+      archive_json(a, value);
+      a.io(refusal);
+      if (a.loads()) outcome = done ? Outcome(std::move(value)) : Outcome(Unexpected(std::move(refusal)));
+    } else {
+      outcome.reset();
+    }
+    for (const auto& [number, wired] : stations_) {
+      if (a.failed()) return;
+      wired.station->archive(a);
+    }
+    if (!a.loads()) return;
+    a.require((!wire || stations_.contains(*wire)) && (!spoken_to || *spoken_to < drives.size()),
+              "a master speaks to nobody");
+    if (a.failed()) return;
+    station = wire ? stations_.at(*wire).station.get() : nullptr;
+    drive = spoken_to ? drives[*spoken_to].get() : nullptr;
+    profile = drive != nullptr && drive->spec.board
+                  ? masters::find_profile(drive->spec.board->type.value, kind_.profile)
+                  : nullptr;
+    a.require(orders.empty() || (station != nullptr && profile != nullptr), "a master has orders for nobody");
   }
 
  private:
@@ -118,7 +193,7 @@ class ProtocolMaster : public Master {
     else if (value.is_string() && !rig::parse_switch(value.get<std::string>(), on))
       outcome_ = Unexpected(std::string("silence is ") + value.dump() + "; allowed: on, off");
     if (outcome_) return;
-    for (const auto& [wire, station] : stations_) station->set_silent(now, on);
+    for (const auto& [wire, wired] : stations_) wired.station->set_silent(now, on);
     outcome_ = Json(on ? "on" : "off");
   }
 
@@ -218,9 +293,14 @@ class ProtocolMaster : public Master {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
     }
-    auto& station = stations_[*wire];
-    if (station == nullptr) station = make(now, drive, *wire);
-    return station.get();
+    Wired& wired = stations_[*wire];
+    if (wired.station == nullptr) {
+      const auto& all = context_.plant.drives();
+      const auto at = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.get() == &drive; });
+      wired.drive = static_cast<std::size_t>(at - all.begin());
+      wired.station = make(now, drive, *wire);
+    }
+    return wired.station.get();
   }
 
   std::unique_ptr<masters::Station> make(Instant now, const rig::DriveUnit& drive, std::size_t wire) {
@@ -232,11 +312,14 @@ class ProtocolMaster : public Master {
       case Wire::kSerial: {
         const masters::ModbusMasterSettings settings = modbus_settings(drive.board->serial_channel()->line_settings());
         const Duration character{std::int64_t{1'000'000'000} * settings.bits_per_character / settings.baud};
-        made = std::make_unique<masters::ModbusStation>(scheduler, settings, [&plant, wire, character](Instant) {
-          auto [board, master] = transports::make_memory_link(plant.scheduler(), {.character = character});
-          plant.connect_serial(wire, std::move(board));
-          return std::move(master);
-        });
+        made = std::make_unique<masters::ModbusStation>(
+            scheduler, settings,
+            [&plant, wire, character](Instant) {
+              auto [board, master] = plant.net().connect({.character = character});
+              plant.connect_serial(wire, std::move(board));
+              return std::move(master);
+            },
+            &plant.net());
         record.kind = WireRecord::Kind::kSerial;
         record.network = plant.file().serial[wire].name;
         break;
@@ -245,11 +328,14 @@ class ProtocolMaster : public Master {
         masters::ModbusMasterSettings settings;
         settings.framing = masters::ModbusFraming::kTcp;
         settings.retries = 0;
-        made = std::make_unique<masters::ModbusStation>(scheduler, settings, [&plant, wire](Instant at) {
-          auto [board, master] = transports::make_memory_link(plant.scheduler(), {.delay = kTcpDelay});
-          plant.accept_tcp(wire, at, std::move(board));
-          return std::move(master);
-        });
+        made = std::make_unique<masters::ModbusStation>(
+            scheduler, settings,
+            [&plant, wire](Instant at) {
+              auto [board, master] = plant.net().connect({.delay = kTcpDelay});
+              plant.accept_tcp(wire, at, std::move(board));
+              return std::move(master);
+            },
+            &plant.net());
         record.kind = WireRecord::Kind::kTcp;
         record.network = "modbus_tcp";
         break;
@@ -270,6 +356,7 @@ class ProtocolMaster : public Master {
       r.at = frame.at;
       r.sender = frame.sent ? "master" : name;
       r.bytes = frame.bytes;
+      r.connection = frame.connection;
       if (r.kind == WireRecord::Kind::kCanFrame) {
         r.id = read_be32(frame.bytes, 0);
         r.bytes.erase(r.bytes.begin(), r.bytes.begin() + 4);
@@ -287,15 +374,14 @@ class ProtocolMaster : public Master {
     return "";
   }
 
+  struct Wired {
+    std::size_t drive = 0;  // for which it was made
+    std::unique_ptr<masters::Station> station;
+  };
+
   const Kind& kind_;
   MasterContext context_;
-  std::map<std::size_t, std::unique_ptr<masters::Station>> stations_;  // by wire
-  masters::Station* station_ = nullptr;                                // spoken on last
-  rig::DriveUnit* drive_ = nullptr;
-  const masters::BoardProfile* profile_ = nullptr;
-  std::vector<std::pair<std::string, masters::Order>> orders_;  // still to be done, with their names
-  Json readings_;
-  std::optional<Outcome> outcome_;
+  std::map<std::size_t, Wired> stations_;  // by wire
 };
 
 }  // namespace
@@ -306,11 +392,22 @@ const std::vector<std::string_view>& master_words() {
   return all;
 }
 
+// A serial line has one other end, which must not be taken from somebody without a word. Empty: none.
+static std::string objection(const Kind& kind, const rig::Plant& plant) {
+  if (kind.wire != Wire::kSerial) return {};
+  for (const auto& d : plant.drives())
+    if (d->spec.board && d->spec.board->serial && plant.serial_is_outside(*d->spec.board->serial))
+      return "serial line " + plant.file().serial[*d->spec.board->serial].name +
+             " is open to masters outside, as in every live run; speak via modbus_tcp, or run in virtual time";
+  return {};
+}
+
 std::vector<MasterKind> protocol_masters() {
   std::vector<MasterKind> out;
   for (const Kind& kind : kKinds)
     out.push_back({kind.name, master_words(),
                    [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
+                     if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
                      return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
                    }});
   return out;

@@ -156,4 +156,27 @@ Recording Recorder::take() {
   return out;
 }
 
+void Recorder::archive_state(Archive& a) {
+  // row is where a sample is put together.
+  VINV_MEMBERS(*this, drives, settings, width, row, base, stride, samples, ring, ring_rows, ring_next, windows,
+               window_cells, windows_lost, states, wire);
+  VINV_MEMBERS(settings, period, before, after, max_cells, max_window_cells);
+  a.must_match("number of recorded signals", width);
+  a.must_match("sampling period", static_cast<std::uint64_t>(period.count()));
+  a.must_match("span recorded before a trip", static_cast<std::uint64_t>(before.count()));
+  a.must_match("span recorded after a trip", static_cast<std::uint64_t>(after.count()));
+  a.must_match("limit of recorded values", max_cells);
+  a.must_match("limit of recorded values around trips", max_window_cells);
+  std::size_t traces = 0;
+  for (const Observer* d : drives) traces += kStateCount + 3 + d->terminal_names().size();
+  VINV_FIELDS(a, Recorder, base, stride, samples, ring, ring_next, windows, window_cells, windows_lost, states, wire);
+  if (!a.loads() || a.failed()) return;
+  a.require(holds(base) && holds(ring), "a recording has rows that are not whole");
+  for (const Window& w : windows) a.require(holds(w.rows), "a recording has rows that are not whole");
+  a.require(ring.times.size() <= ring_rows && ring_next < std::max<std::size_t>(ring_rows, 1) &&
+                (ring.times.size() == ring_rows || ring_next == ring.times.size()),
+            "the latest samples of a recording");
+  a.require(stride > 0 && states.size() == traces, "a recording has other states");
+}
+
 }  // namespace vinv::scenario

@@ -36,19 +36,26 @@ class Recorder {
   // Leaves the recorder empty.
   Recording take();
 
+  // All that has been recorded; of the same drives with the same settings.
+  friend void archive(Archive& a, Recorder& recorder) { recorder.archive_state(a); }
+
  private:
   struct Rows {
     std::vector<Instant> times;
     std::vector<double> cells;  // row after row
+    VINV_ARCHIVE(Rows, times, cells);
   };
   struct Window {
     Rows rows;
     Instant until;
+    VINV_ARCHIVE(Window, rows, until);
   };
 
   void append(Rows& rows, Instant now, const double* row) const;
   void thin_out();
   void record_states(Instant now);
+  void archive_state(Archive& a);
+  bool holds(const Rows& rows) const { return rows.cells.size() == rows.times.size() * width_; }
 
   std::vector<const Observer*> drives_;
   RecorderSettings settings_;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 
@@ -24,23 +25,28 @@ struct StateTrace {
   struct Change {
     Instant at;
     std::string value;  // "on", "off", "NET", "E.OV3"; alarm: "none"
+    VINV_ARCHIVE(Change, at, value);
   };
   std::string drive;
   std::string name;
   std::vector<Change> changes;
   std::uint64_t lost = 0;  // changes beyond kMaxChanges
+  VINV_ARCHIVE(StateTrace, drive, name, changes, lost);
 };
 inline constexpr std::size_t kMaxChanges = 100'000;
 
 // One frame or piece of bytes on a wire.
 struct WireRecord {
   enum class Kind : std::uint8_t { kCanFrame, kCanError, kSerial, kTcp };
+  friend VINV_ENUM_RANGE(Kind, kCanFrame, kTcp);
   Instant at;
   Kind kind = Kind::kSerial;
   std::string network;   // as the plant file names it
   std::string sender;    // "master", or the name of a drive
   std::uint32_t id = 0;  // CAN identifier, with the flags of SocketCAN
   Bytes bytes;
+  std::uint32_t connection = 0;  // TCP: tells the connections of a network apart
+  VINV_ARCHIVE(WireRecord, at, kind, network, sender, id, bytes, connection);
 };
 
 struct Recording {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 #include "sim/rig/plant_file.hpp"
 #include "sim/scenario/recording.hpp"
@@ -13,11 +14,13 @@ namespace vinv::scenario {
 
 struct Event {
   enum class Kind : std::uint8_t { kAction, kState, kTrip, kCheck, kNote, kWire };
+  friend VINV_ENUM_RANGE(Kind, kAction, kWire);
   Instant at;
   Kind kind = Kind::kState;
   std::string drive;  // empty: the scenario as a whole
   std::string text;   // "run: forward", "running", "trip E.OV3: DC link ..."
   int line = 0;       // of the scenario file; 0: not caused by a step
+  VINV_ARCHIVE(Event, at, kind, drive, text, line);
 };
 inline constexpr std::size_t kMaxEvents = 100'000;
 
@@ -31,6 +34,11 @@ struct CheckResult {
   std::string cause;              // cause chain of the alarm that was present; empty: none
   rig::Position where;            // of the step in the scenario file; line 0: the scenario as a whole
   std::size_t events_before = 0;  // how many of RunResult::events had happened
+  friend void archive(Archive& a, CheckResult& check) {
+    VINV_MEMBERS(check, passed, at, drive, what, expected, seen, cause, where, events_before);
+    VINV_FIELDS(a, CheckResult, passed, at, drive, what, expected, seen, cause, where.line, where.column,
+                events_before);
+  }
 };
 
 enum class Verdict : std::uint8_t { kPassed, kFailed, kNotRun };

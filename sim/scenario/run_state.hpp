@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 
@@ -16,15 +17,18 @@ namespace vinv::scenario {
 struct HeardFrame {
   Instant at{};  // of the look that found it
   Bytes bytes;
+  VINV_ARCHIVE(HeardFrame, at, bytes);
 };
 
 struct LoopState {
   std::size_t begin = 0;  // index of the RepeatBegin
   unsigned left = 0;      // rounds that still come
+  VINV_ARCHIVE(LoopState, begin, left);
 };
 
 struct TrackState {
   enum class Phase : std::uint8_t { kBegin, kTime, kWhen, kRun, kBlocked, kDone };
+  friend VINV_ENUM_RANGE(Phase, kBegin, kDone);
   Phase phase = Phase::kBegin;
   std::size_t next = 0;  // step
   std::vector<LoopState> loops;
@@ -40,6 +44,7 @@ struct TrackState {
   // Its last word through a master, or the first of several frames that it sent: what was heard before is no answer.
   std::optional<Instant> spoke_at;
   bool sending = false;  // frames, and has not expected one since
+  VINV_ARCHIVE(TrackState, phase, next, loops, since, due, begun, started, mark, last, last_at, samples, spoke_at, sending);
 };
 
 struct WatchState {
@@ -52,6 +57,7 @@ struct WatchState {
   double extreme = 0;
   Instant since{};         // begin of the span
   std::string worst_name;  // of the signal with the largest part of its tolerance, which is in extreme
+  VINV_ARCHIVE(WatchState, active, failed, track, step, begun, start, extreme, since, worst_name);
 };
 
 struct RunState {
@@ -65,6 +71,11 @@ struct RunState {
   std::vector<TrackState> tracks;
   std::vector<WatchState> watches;
   std::vector<std::string> alarms;  // of each drive, at the last tick
+  // Watches are archived by their steps, apart.
+  friend void archive(Archive& a, RunState& state) {
+    VINV_MEMBERS(state, start, ticks, ticked_at, acted, stopping, end_at, finished, tracks, watches, alarms);
+    VINV_FIELDS(a, RunState, start, ticks, ticked_at, acted, stopping, end_at, finished, tracks, alarms);
+  }
 };
 
 }  // namespace vinv::scenario

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/kernel/virtual_clock.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/scenario/units.hpp"
 
@@ -49,19 +48,24 @@ void Runner::start() {
   state_.start = now;
   for (TrackState& t : state_.tracks) t.since = now;
   for (const Track& track : scenario_.tracks)
-    for (const Step& step : track.steps) {
-      if (step.via.empty() || masters_.count(step.via) > 0) continue;
-      const auto kind = std::find_if(options_.masters.begin(), options_.masters.end(),
-                                     [&](const MasterKind& m) { return m.name == step.via; });
-      if (kind == options_.masters.end()) throw std::runtime_error("there is no master \"" + step.via + "\".");
-      auto made = kind->make({plant_, result_.seed, [this](WireRecord r) { recorder_->add_wire(std::move(r)); }});
-      if (!made) throw std::runtime_error("the master " + step.via + " cannot start: " + rig::sentence(made.error()));
-      masters_[step.via] = std::move(made).value();
-    }
+    for (const Step& step : track.steps)
+      if (const auto made = make_master(step.via); !made) throw std::runtime_error(made.error());
   // The plant's own tick was scheduled for the same instants before, so that its drives have ticked by then.
   tick_event_ = scheduler.schedule_every(now + options_.recording.period, options_.recording.period,
                                          kernel::Priority::kObserver, [this](Instant at) { tick(at); });
   start_event_ = scheduler.schedule(now, kernel::Priority::kStimulus, [this](Instant at) { pass(at); });
+}
+
+// A name that is empty means nobody.
+Result<void, std::string> Runner::make_master(const std::string& name) {
+  if (name.empty() || masters_.count(name) > 0) return {};
+  const auto kind = std::find_if(options_.masters.begin(), options_.masters.end(),
+                                 [&](const MasterKind& m) { return m.name == name; });
+  if (kind == options_.masters.end()) return Unexpected("there is no master \"" + name + "\".");
+  auto made = kind->make({plant_, result_.seed, [this](WireRecord r) { recorder_->add_wire(std::move(r)); }});
+  if (!made) return Unexpected("the master " + name + " cannot start: " + rig::sentence(made.error()));
+  masters_[name] = std::move(made).value();
+  return {};
 }
 
 void Runner::tick(Instant now) {
@@ -151,12 +155,15 @@ Runner::Progress Runner::begin_step(Instant now, std::size_t i) {
 }
 
 void Runner::wake(Instant at, std::size_t i) {
-  // Another track's wakeup at this instant may have come first and done what the one that waits was for.
-  if (wakeups_[i].event != 0) plant_.scheduler().cancel(wakeups_[i].event);
-  wakeups_[i].event = plant_.scheduler().schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) {
-    wakeups_[i].event = 0;
-    pass(now);
-  });
+  auto& scheduler = plant_.scheduler();
+  // Another track's wakeup at this instant may have come first and done what this one was for.
+  if (wakeups_[i].event != 0) scheduler.cancel(wakeups_[i].event);
+  wakeups_[i].event = scheduler.schedule(at, kernel::Priority::kStimulus, [this, i](Instant now) { woken(now, i); });
+}
+
+void Runner::woken(Instant now, std::size_t i) {
+  wakeups_[i].event = 0;
+  pass(now);
 }
 
 Runner::Progress Runner::run_step(Instant now, std::size_t i) {
@@ -340,33 +347,6 @@ RunResult not_run(const Scenario& scenario, const RunOptions& options) {
   result.title = scenario.title;
   result.seed = options.seed.value_or(scenario.seed);
   return result;
-}
-
-RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options) {
-  RunResult failed = not_run(scenario, options);
-  try {
-    kernel::Scheduler scheduler;
-    rig::PlantOptions plant_options;
-    plant_options.catalogue = catalogue;
-    plant_options.seed = failed.seed;
-    rig::Plant plant(scenario.plant, scheduler, std::move(plant_options));
-    Runner runner(scenario, plant, options);
-    kernel::VirtualClock clock(scheduler);
-    runner.set_on_finished([&] { clock.stop(); });
-    plant.start();
-    runner.start();
-    try {
-      // The runner ends at the limit by itself; a second more is only for the window after a trip.
-      clock.run_until(scheduler.now() + scenario.limit + options.recording.after + std::chrono::seconds(1));
-    } catch (const plant::SolverFailure& e) {
-      runner.abort("the integration of the equations failed at " + show_time(scheduler.now()) + ": " +
-                   rig::sentence(e.what()));
-    }
-    return runner.take_result();
-  } catch (const std::exception& e) {
-    failed.reason = e.what();
-    return failed;
-  }
 }
 
 }  // namespace vinv::scenario

@@ -47,6 +47,16 @@ class Runner {
 
   const RunState& state() const { return state_; }
 
+  // --- snapshots (docs/decisions/0005-snapshots.md) ---
+
+  // Why the run cannot be saved now, beside what its plant objects to; empty if it can.
+  std::string snapshot_objection() const;
+  // Before the plant, which is to find the nodes and connections of the masters.
+  void archive_masters(Archive& a);
+  // Position of all tracks, what they wait for, checks, events and recording; after the plant. The scenario that loads
+  // has the same plant, and the same steps as far as that had come; what follows, limits and seed may be others.
+  friend void archive(Archive& a, Runner& runner) { runner.archive_state(a); }
+
  private:
   struct Wakeup {
     kernel::EventId event = 0;
@@ -61,6 +71,7 @@ class Runner {
   Progress poll_step(Instant now, std::size_t track);
   void finish_step(Instant now, std::size_t track);
   void wake(Instant at, std::size_t track);
+  void woken(Instant now, std::size_t track);
 
   bool act(Instant now, std::size_t track, const Step& step, const Action& action);
   void answer(Instant now, const Step& step, const Action& action, const Master::Outcome& outcome, bool refusal);
@@ -88,6 +99,14 @@ class Runner {
   double widening() const;
   const Step& current(std::size_t track) const { return scenario_.tracks[track].steps[state_.tracks[track].next]; }
 
+  // runner_snapshot.cpp
+  void archive_state(Archive& a);
+  void check_loaded(Archive& a) const;
+  void check_loops(Archive& a, std::size_t track) const;
+  void archive_watches(Archive& a);
+  std::string story(std::size_t track) const;
+  Result<void, std::string> make_master(const std::string& name);
+
   const Scenario& scenario_;
   rig::Plant& plant_;
   RunOptions options_;
@@ -106,9 +125,6 @@ class Runner {
   std::uint64_t steps_now_ = 0;  // steps done at this instant
   Instant steps_at_{};
 };
-
-// A whole run in virtual time, from a plant of its own. Never throws: what goes wrong is in the result.
-RunResult run_virtual(const Scenario& scenario, const rig::Catalogue& catalogue, const RunOptions& options);
 
 // What a result says before the run: which scenario, which seed.
 RunResult not_run(const Scenario& scenario, const RunOptions& options);

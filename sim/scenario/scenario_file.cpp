@@ -313,9 +313,9 @@ const std::map<std::string, std::vector<std::string_view>>& scenario_keys() {
     };
     Keys step = action_words();
     for (const std::string_view word :
-         {"check",  "reached", "ramp",   "trip",  "always",     "never",        "overshoot",
-          "rising", "falling", "follows", "repeat", "note",  "send_frame", "expect_frame", "at",
-          "after",  "when",    "within", "drive", "via",        "refused",      "during"})
+         {"check",   "reached", "ramp",   "trip", "always",     "never",        "overshoot", "rising",
+          "falling", "follows", "repeat", "note", "send_frame", "expect_frame", "at",        "after",
+          "when",    "within",  "drive",  "via",  "refused",    "during"})
       step.push_back(word);
     keys["steps[]"] = step;
     return keys;

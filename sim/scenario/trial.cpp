@@ -62,9 +62,9 @@ std::optional<std::string> Trial::parameter_objection(std::size_t drive, const r
     const auto preset = unit.inverter->preset_parameter(name, number);
     if (preset) continue;
     if (!has_parameter(drive, name)) {
-      // Not a parameter, but perhaps one of the clears. Only a drive with power knows them, and it may refuse them for its
-      // mode, which is no mistake of the file: an unknown name is refused with the same sentence as a preset, a wrong value
-      // with the same sentence as any other wrong value.
+      // Not a parameter, but perhaps one of the clears. Only a drive with power knows them, and it may refuse them for
+      // its mode, which is no mistake of the file: an unknown name is refused with the same sentence as a preset, a
+      // wrong value with the same sentence as any other wrong value.
       start_up();
       constexpr double kNeverRight = -12345;
       const auto cleared = unit.inverter->set_parameter(name, number);

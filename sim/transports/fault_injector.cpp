@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <optional>
 #include <utility>
 
+#include "sim/base/check.hpp"
 #include "sim/base/random.hpp"
 #include "sim/transports/stream_handlers.hpp"
 
@@ -14,6 +16,7 @@ namespace {
 struct Piece {
   Duration after{};  // the piece before it
   Bytes bytes;
+  VINV_ARCHIVE(Piece, after, bytes);
 };
 using Pieces = std::vector<Piece>;
 
@@ -66,36 +69,59 @@ void apply(const FaultRule& rule, Pieces& pieces, Random& random) {
   }
 }
 
+struct Held {
+  Pieces pieces;
+  bool line_error = false;
+  VINV_ARCHIVE(Held, pieces, line_error);
+};
+struct Lane {
+  std::size_t delayed = 0;  // pieces
+  std::size_t delayed_bytes = 0;
+  Instant last_at{};         // when the last delayed piece passes
+  std::optional<Held> held;  // waits for the piece after it
+  kernel::EventId release = 0;
+};
+// What an event does when it is due: hands on a piece, or tells the owner of the end.
+struct Late {
+  std::uint64_t number = 0;
+  kernel::EventId event = 0;
+  bool is_end = false;
+  Direction direction = Direction::kSend;
+  Bytes bytes;
+  bool line_error = false;
+  std::string reason;
+};
+
+// All that an injector remembers, but for its course.
+struct Data {
+  std::array<Lane, 2> lanes{};
+  std::deque<Late> late;  // in the order of their numbers
+  std::uint64_t next_late = 0;
+  std::uint64_t injected = 0;
+  bool closed = false;
+  bool half_open = false;
+  bool overflowed = false;  // closed, but the owner has not been told
+};
+
 }  // namespace
 
-struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
-  struct Held {
-    Pieces pieces;
-    bool line_error = false;
-  };
-  struct Lane {
-    std::size_t delayed = 0;   // pieces
-    std::size_t delayed_bytes = 0;
-    Instant last_at{};  // when the last delayed piece passes
-    std::optional<Held> held;  // waits for the piece after it
-    kernel::EventId release = 0;
-  };
-
-  Impl(kernel::Scheduler& s, std::unique_ptr<ByteStream> i, FaultPlan p)
-      : scheduler(s), inner(std::move(i)), plan(std::move(p)), counts(plan.rules.size()), random(plan.seed) {}
+struct FaultInjector::Impl : Data, std::enable_shared_from_this<Impl> {
+  Impl(kernel::Scheduler& s, std::unique_ptr<ByteStream> i, std::shared_ptr<FaultCourse> c)
+      : scheduler(s), inner(std::move(i)), course(std::move(c)) {}
   ~Impl() {
     for (const Lane& l : lanes)
       if (l.release != 0) scheduler.cancel(l.release);
+    for (const Late& l : late) scheduler.cancel(l.event);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
-
 
   Lane& lane(Direction d) { return lanes[static_cast<std::size_t>(d)]; }
 
   void pass(Direction direction, Instant now, ByteView bytes, bool line_error) {
     if (closed || half_open) return;
     Lane& l = lane(direction);
+    auto& [plan, counts, random] = *course;
     if (plan.rules.empty() && l.delayed == 0 && !l.held) return deliver(direction, now, bytes, line_error);
     Pieces pieces{{Duration{}, Bytes(bytes.begin(), bytes.end())}};
     std::optional<Duration> hold;
@@ -109,14 +135,18 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
     if (hold && !l.held && !pieces.empty()) {
       l.held = Held{std::move(pieces), line_error};
       l.release = scheduler.schedule(std::max(now, scheduler.now()) + *hold, kernel::Priority::kWire,
-                                     [this, direction](Instant at) {
-                                       lane(direction).release = 0;
-                                       release(direction, at);
-                                     });
+                                     release_action(direction));
       return;
     }
     if (!emit(direction, now, pieces, line_error)) return;
     release(direction, now);
+  }
+
+  kernel::Scheduler::Action release_action(Direction direction) {
+    return [this, direction](Instant at) {
+      lane(direction).release = 0;
+      release(direction, at);
+    };
   }
 
   void release(Direction direction, Instant now) {
@@ -151,15 +181,31 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
     ++l.delayed;
     l.delayed_bytes += bytes.size();
     l.last_at = at;
-    scheduler.schedule(at, kernel::Priority::kWire,
-                       [weak = weak_from_this(), direction, bytes, line_error](Instant now) {
-                         const auto self = weak.lock();
-                         if (!self || self->closed) return;
-                         Lane& waited = self->lane(direction);
-                         --waited.delayed;
-                         waited.delayed_bytes -= bytes.size();
-                         if (!self->half_open) self->deliver(direction, now, bytes, line_error);
-                       });
+    post(at, {0, 0, false, direction, bytes, line_error, {}});
+  }
+
+  void post(Instant at, Late what) {
+    what.number = next_late++;
+    what.event = scheduler.schedule(at, kernel::Priority::kWire, late_action(what.number));
+    late.push_back(std::move(what));
+  }
+
+  kernel::Scheduler::Action late_action(std::uint64_t number) {
+    return [this, number](Instant now) { run_late(now, number); };
+  }
+
+  void run_late(Instant now, std::uint64_t number) {
+    // A handler may destroy the stream.
+    const auto self = shared_from_this();
+    const auto at = std::find_if(late.begin(), late.end(), [&](const Late& l) { return l.number == number; });
+    const Late due = std::move(*at);
+    late.erase(at);
+    if (due.is_end) return finish(now, due.reason);
+    if (closed) return;
+    Lane& waited = lane(due.direction);
+    --waited.delayed;
+    waited.delayed_bytes -= due.bytes.size();
+    if (!half_open) deliver(due.direction, now, due.bytes, due.line_error);
   }
 
   void deliver(Direction direction, Instant now, ByteView bytes, bool line_error) {
@@ -181,10 +227,7 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
   }
 
   void end_at(Instant at, const std::string& reason) {
-    scheduler.schedule(std::max(at, scheduler.now()), kernel::Priority::kWire,
-                       [weak = weak_from_this(), reason](Instant now) {
-                         if (const auto self = weak.lock()) self->finish(now, reason);
-                       });
+    post(std::max(at, scheduler.now()), {0, 0, true, Direction::kReceive, {}, false, reason});
   }
 
   void finish(Instant now, const std::string& reason) {
@@ -200,21 +243,51 @@ struct FaultInjector::Impl : std::enable_shared_from_this<Impl> {
            "disconnected: the peer does not read (" + std::to_string(kMaxQueuedBytes) + " bytes wait for it)");
   }
 
+  void archive_state(Archive& a) {
+    // The stream inside and the handlers are there before the load.
+    VINV_MEMBERS(static_cast<Data&>(*this), lanes, late, next_late, injected, closed, half_open, overflowed);
+    VINV_FIELDS(a, FaultInjector, next_late, injected, closed, half_open, overflowed);
+    for (const Direction direction : {Direction::kSend, Direction::kReceive}) {
+      Lane& l = lane(direction);
+      VINV_MEMBERS(l, delayed, delayed_bytes, last_at, held, release);
+      VINV_FIELDS(a, Lane, delayed, delayed_bytes, last_at, held);
+      scheduler.archive_event(a, release, release_action(direction));
+    }
+    const std::size_t count = a.count(late.size());
+    if (a.loads()) late.clear();
+    for (std::size_t i = 0; i < count && !a.failed(); ++i) {
+      if (a.loads()) late.emplace_back();
+      VINV_MEMBERS(late[i], number, event, is_end, direction, bytes, line_error, reason);
+      VINV_FIELDS(a, Late, number, is_end, direction, bytes, line_error, reason);
+      scheduler.archive_event(a, event, late_action(number));
+      a.require(event != 0, "a delayed piece never passes");
+    }
+    if (!a.loads() || a.failed()) return;
+    // Sums by which they are taken off again.
+    for (const Direction direction : {Direction::kSend, Direction::kReceive}) {
+      std::size_t pieces = 0, bytes = 0;
+      for (const Late& l : late) {
+        if (l.is_end || l.direction != direction) continue;
+        ++pieces;
+        bytes += l.bytes.size();
+      }
+      const Lane& l = lane(direction);
+      a.require(l.delayed == pieces && l.delayed_bytes == bytes, "delayed pieces of a stream are missing");
+    }
+  }
+
   kernel::Scheduler& scheduler;
   std::unique_ptr<ByteStream> inner;
-  FaultPlan plan;
-  std::vector<FaultCount> counts;  // by rule
-  Random random;
+  std::shared_ptr<FaultCourse> course;
   StreamHandlers handlers;
-  std::array<Lane, 2> lanes{};
-  std::uint64_t injected = 0;
-  bool closed = false;
-  bool half_open = false;
-  bool overflowed = false;  // closed, but the owner has not been told
 };
 
 FaultInjector::FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner, FaultPlan plan)
-    : impl_(std::make_shared<Impl>(scheduler, std::move(inner), std::move(plan))) {}
+    : FaultInjector(scheduler, std::move(inner), std::make_shared<FaultCourse>(std::move(plan))) {}
+
+FaultInjector::FaultInjector(kernel::Scheduler& scheduler, std::unique_ptr<ByteStream> inner,
+                             std::shared_ptr<FaultCourse> course)
+    : impl_(std::make_shared<Impl>(scheduler, std::move(inner), std::move(course))) {}
 
 FaultInjector::~FaultInjector() {
   close();
@@ -246,25 +319,23 @@ void FaultInjector::close() {
   if (!impl_->half_open) impl_->inner->close();
 }
 
-void FaultInjector::Handle::add(const FaultRule& rule) const {
-  const auto impl = impl_.lock();
-  if (!impl) return;
-  impl->plan.rules.push_back(rule);
-  impl->counts.emplace_back();
-}
-
-void FaultInjector::Handle::clear() const {
-  const auto impl = impl_.lock();
-  if (!impl) return;
-  impl->plan.rules.clear();
-  impl->counts.clear();
-}
-
 void FaultInjector::Handle::half_open() const {
   if (const auto impl = impl_.lock()) impl->half_open = true;
 }
 
+std::uint32_t FaultInjector::Handle::end_number() const {
+  const auto impl = impl_.lock();
+  return impl ? impl->inner->end_number() : 0;
+}
+
+void FaultInjector::Handle::archive_state(Archive& a) {
+  const auto impl = impl_.lock();
+  VINV_CHECK(impl != nullptr);
+  impl->archive_state(a);
+}
+
 std::string FaultInjector::name() const { return impl_->inner->name(); }
+std::uint32_t FaultInjector::end_number() const { return impl_->inner->end_number(); }
 std::uint64_t FaultInjector::injected() const { return impl_->injected; }
 
 }  // namespace vinv::transports

@@ -1,9 +1,10 @@
-// Which frames a fault befalls: the nth, every nth, by chance, so many times, within a span of time. Shared by the faults
-// of all wires.
+// Which frames a fault befalls: the nth, every nth, by chance, so many times, within a span of time. Shared by the
+// faults of all wires.
 #pragma once
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/random.hpp"
 #include "sim/base/time.hpp"
 
@@ -29,6 +30,7 @@ struct FaultTrigger {
     return t;
   }
   static FaultTrigger always() { return by_chance(1); }
+  VINV_ARCHIVE(FaultTrigger, nth, every, probability, times, from, until);
 };
 
 // How far a trigger has counted.
@@ -47,6 +49,7 @@ struct FaultCount {
     ++hits;
     return true;
   }
+  VINV_ARCHIVE(FaultCount, seen, hits);
 };
 
 }  // namespace vinv::transports

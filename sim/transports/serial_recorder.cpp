@@ -11,8 +11,9 @@ namespace {
 class LineLog {
  public:
   LineLog(std::shared_ptr<CaptureFile> file, const std::string& name)
-      : packets_([file, id = file->add_interface(LinkType::kRtacSerial, name)](
-                     Instant at, ByteView packet, PacketDirection direction) { file->packet(id, at, packet, direction); }) {}
+      : packets_(
+            [file, id = file->add_interface(LinkType::kRtacSerial, name)](
+                Instant at, ByteView packet, PacketDirection direction) { file->packet(id, at, packet, direction); }) {}
 
   void bytes(Instant now, PacketDirection direction, ByteView bytes) { packets_.bytes(now, direction, bytes); }
   void write_pending() { packets_.flush(); }

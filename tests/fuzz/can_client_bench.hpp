@@ -76,8 +76,9 @@ class CanClientBench {
     return frame;
   }
 
-  // Operations of a fuzzer's input, up to kMaxOperations: say(text) any text, known texts (of which there are any number)
-  // and frames as frame_text(frame) has them; frames of the node, time, errors on the bus; for the rest otherwise(argument).
+  // Operations of a fuzzer's input, up to kMaxOperations: say(text) any text, known texts (of which there are any
+  // number) and frames as frame_text(frame) has them; frames of the node, time, errors on the bus; for the rest
+  // otherwise(argument).
   template <class Say, class Known, class FrameText, class Otherwise>
   void play(Input& input, Say&& say_text, const Known& known, FrameText&& frame_text, Otherwise&& otherwise) {
     for (int i = 0; i < kMaxOperations && !input.empty(); ++i) {

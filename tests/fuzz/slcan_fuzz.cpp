@@ -57,8 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                        "T",   "\r\n",        "s0000\r",     "S4\r", "\a",      "Q1\r"};
   bench.play(
       input, [&](std::string_view text) { bench.tell(text); }, kCommands,
-      [](const CanFrame& frame) { return slcan_frame(frame) + "\r"; },
-      [&](std::uint8_t) { bench.tell("C\rS6\rO\r"); });
+      [](const CanFrame& frame) { return slcan_frame(frame) + "\r"; }, [&](std::uint8_t) { bench.tell("C\rS6\rO\r"); });
   bench.tell("\rC\rS6\rZ0\rO\r");
   bench.run_for(300ms);
   bench.check_heard();

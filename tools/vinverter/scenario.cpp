@@ -4,18 +4,24 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "sim/rig/quantity.hpp"
+#include "sim/rig/words.hpp"
 #include "sim/scenario/batch.hpp"
 #include "sim/scenario/junit.hpp"
 #include "sim/scenario/live_run.hpp"
 #include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/report/report_folder.hpp"
+#include "sim/scenario/snapshot_file.hpp"
 #include "sim/scenario/units.hpp"
+#include "sim/scenario/virtual_run.hpp"
 #include "tools/vinverter/subcommands.hpp"
 #include "vinverter_data.hpp"
 
@@ -36,6 +42,9 @@ struct ScenarioOptions {
   std::string report;
   std::uint64_t seed = 0;
   bool has_seed = false;
+  std::string snapshot;
+  std::string snapshot_at;
+  std::string resume;
   std::size_t jobs = 0;
 };
 
@@ -140,6 +149,45 @@ std::string summary(const RunResult& r, bool verbose) {
   return out;
 }
 
+std::string build() { return fmt::format("vinverter {} ({})", VINV_VERSION, VINV_GIT_DESCRIBE); }
+
+// Saves and resumes runs as the options say; nothing if they say nothing of it.
+std::function<RunResult(const scenario::Scenario&)> with_snapshots(const ScenarioOptions& options, std::size_t files,
+                                                                   const scenario::BatchOptions& batch,
+                                                                   const std::function<void(const std::string&)>& say) {
+  if (options.snapshot.empty() != options.snapshot_at.empty())
+    throw std::runtime_error("--snapshot FILE and --snapshot-at TIME go together.");
+  if (options.snapshot.empty() && options.resume.empty()) return {};
+  if (options.live) throw std::runtime_error("a snapshot is of virtual time; leave out --live.");
+  std::optional<Duration> at;
+  if (!options.snapshot.empty()) {
+    if (files != 1)
+      throw std::runtime_error("--snapshot is for one scenario; these are " + std::to_string(files) + ".");
+    const auto seconds = rig::parse_quantity(options.snapshot_at, rig::Dimension::kTime);
+    if (!seconds) throw std::runtime_error("--snapshot-at: " + rig::sentence(seconds.error()));
+    if (*seconds < 0 || *seconds > 1e6)
+      throw std::runtime_error("--snapshot-at is " + options.snapshot_at + "; allowed: 0 s to 1000000 s.");
+    at = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
+  }
+  auto from = std::make_shared<scenario::SnapshotFile>();
+  if (!options.resume.empty()) {
+    auto read = scenario::read_snapshot_file(options.resume, build());
+    if (!read) throw std::runtime_error(read.error());
+    *from = std::move(read).value();
+  }
+  return [&options, &batch, at, from, say](const scenario::Scenario& s) {
+    scenario::SnapshotOptions snapshots;
+    snapshots.resume = from->bytes;
+    snapshots.at = at;
+    snapshots.on_saved = [&](Duration when, const Bytes& bytes) {
+      const auto written = scenario::write_snapshot_file(options.snapshot, {build(), s.path, when, bytes});
+      if (!written) throw std::runtime_error(written.error());
+      say(fmt::format("snapshot of {} at {} in {}\n", s.path, scenario::show_duration(when), options.snapshot));
+    };
+    return scenario::run_virtual(s, batch.load.catalogue, batch.run, snapshots);
+  };
+}
+
 int run(const ScenarioOptions& options) {
   const auto files = files_of(options);
   scenario::BatchOptions batch;
@@ -150,12 +198,13 @@ int run(const ScenarioOptions& options) {
   std::vector<std::unique_ptr<scenario::ReportWriter>> writers;
   if (!options.junit.empty()) writers.push_back(std::make_unique<scenario::JunitWriter>(options.junit));
   if (!options.report.empty()) {
-    writers.push_back(std::make_unique<scenario::ReportFolder>(
-        options.report, fmt::format("vinverter {} ({})", VINV_VERSION, VINV_GIT_DESCRIBE)));
+    writers.push_back(std::make_unique<scenario::ReportFolder>(options.report, build()));
   }
   scenario::BatchResult result;
   {
     Progress progress(files.size());
+    batch.run_one =
+        with_snapshots(options, files.size(), batch, [&](const std::string& text) { progress.line(stderr, text); });
     if (options.live) {
       batch.jobs = 1;  // wires and control sockets have one name each
       batch.run_one = [&](const scenario::Scenario& s) {
@@ -227,6 +276,11 @@ Exit codes: 0 all passed; 1 one failed; 2 one could not run, or a report could n
                           "Write HTML, CSV, candump and pcapng of each run into this folder");
   CLI::Option* seed = run_command->add_option("--seed", options->seed, "In place of the files' seeds");
   run_command->add_option("--jobs", options->jobs, "How many run at a time; default: one per processor");
+  run_command->add_option("--snapshot-at", options->snapshot_at,
+                          "Save the run at this time (2 s), or at the next multiple of 100 ms, and go on");
+  run_command->add_option("--snapshot", options->snapshot, "The file for it");
+  run_command->add_option("--resume", options->resume,
+                          "Go on from this snapshot; plant and steps so far are the same, all that follows may differ");
   run_command->add_flag("--verbose", options->verbose, "Print all events of each run");
   run_command->footer(
       "\nExit codes: 0 all passed; 1 one failed; 2 one could not run, or a report could not be written.");

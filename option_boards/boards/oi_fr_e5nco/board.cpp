@@ -119,4 +119,12 @@ Result<void, std::string> Board::set_switch(std::string_view name, unsigned valu
   return {};
 }
 
+void Board::archive_state(Archive& a) {
+  // The shares, too, know nothing but where drive and mailbox are.
+  VINV_MEMBERS(*this, state, modbus_port, canopen_port, drive, unit, canopen, rtu);
+  a.must_match("option board", kType);
+  VINV_FIELDS(a, Board, state, unit, canopen, rtu);
+  a.require(state.serial.line.baud > 0, "a serial line has no speed");
+}
+
 }  // namespace vinv::boards::oi_fr_e5nco

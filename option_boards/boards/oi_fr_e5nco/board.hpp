@@ -48,10 +48,13 @@ class Board final : public OptionBoard, private SerialChannel {
   std::optional<Bytes> poll_transmit(Instant now) override { return rtu_.poll_transmit(now); }
   void set_receive_slack(Instant now, Duration slack) override;
 
+  void archive_state(Archive& a) override;
+
   void start(Instant now);
   void open_line(Instant now);
 
   enum class Supply : std::uint8_t { kOff, kStarting, kOn };  // kStarting: the start-up parameters are not readable yet
+  friend VINV_ENUM_RANGE(Supply, kOff, kOn);
   struct State {
     Supply supply = Supply::kOff;
     bool drive_was_ready = false;
@@ -60,6 +63,7 @@ class Board final : public OptionBoard, private SerialChannel {
     SerialSetup serial;
     Duration receive_slack{};
     Mailbox mailbox;
+    VINV_ARCHIVE(State, supply, drive_was_ready, switches, sampled_switches, serial, receive_slack, mailbox);
   };
 
   State state_;

@@ -17,6 +17,7 @@
 #include "option_boards/boards/oi_fr_e5nco/write_queue.hpp"
 #include "option_boards/boards/option_board.hpp"
 #include "option_boards/canopen/slave.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
 
@@ -72,11 +73,17 @@ class CanopenUnit final : public CanChannel, private canopen::Application {
   // Another master asked for the operation mode, and got it: what NMT asked for before does not count any more.
   void on_mode_of_other_master(Instant asked_at);
 
+  friend void archive(Archive& a, CanopenUnit& unit) {
+    VINV_MEMBERS(unit, drive, slave, queue, state);
+    VINV_FIELDS(a, CanopenUnit, slave, queue, state);
+  }
+
  private:
   struct RefusedTopic {
     CommandError reason{};
     port::ParameterId parameter{};
     friend bool operator==(const RefusedTopic&, const RefusedTopic&) = default;
+    VINV_ARCHIVE(RefusedTopic, reason, parameter);
   };
   struct State {
     bool supplied = false;
@@ -98,6 +105,9 @@ class CanopenUnit final : public CanChannel, private canopen::Application {
     std::optional<Instant> alarm_shows_at;
     port::AlarmHistory history{};                          // as the network knows it
     std::array<std::optional<RefusedTopic>, 6> refused{};  // by WriteTopic: what the master has been told
+    VINV_ARCHIVE(State, supplied, bus_off, bit_rate, profile, target_velocity, runs_reverse, abort_option, leaves_since,
+                 leave_next_at, inverter_ready, storing_failed, storing_told, guarding_lost, short_rpdos, alarm_seen,
+                 alarm_shown, alarm_shows_at, history, refused);
   };
 
   // canopen::Application (canopen_objects.cpp)

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::boards::oi_fr_e5nco {
 
 enum class DriveState : std::uint8_t {
@@ -17,6 +19,7 @@ enum class DriveState : std::uint8_t {
   kQuickStopActive,
   kFault,
 };
+VINV_ENUM_RANGE(DriveState, kSwitchOnDisabled, kFault);
 
 // What a controlword asks of the inverter.
 enum class DriveAction : std::uint8_t {
@@ -60,6 +63,7 @@ class DriveProfile {
   DriveState state_ = DriveState::kSwitchOnDisabled;
   std::uint16_t controlword_ = 0;
   bool stop_began_ = false;  // Quick stop active: the motor has been seen turning, or a tick has passed
+  VINV_ARCHIVE(DriveProfile, state_, controlword_, stop_began_);
 };
 
 }  // namespace vinv::boards::oi_fr_e5nco

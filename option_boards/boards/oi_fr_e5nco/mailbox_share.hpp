@@ -9,19 +9,23 @@
 #include <utility>
 
 #include "motor_model/port/drive_port.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
 
 enum class MailboxUser : std::uint8_t { kModbus, kCanopen };
+VINV_ENUM_RANGE(MailboxUser, kModbus, kCanopen);
 
 // Who has the mailbox and what waits for it; common to the shares of one inverter.
 struct Mailbox {
   struct Waiting {
     Instant since{};
     port::WriteRequest request;
+    VINV_ARCHIVE(Waiting, since, request);
   };
   std::optional<MailboxUser> owner;
   std::array<std::optional<Waiting>, 2> waiting{};  // by user
+  VINV_ARCHIVE(Mailbox, owner, waiting);
 };
 
 class MailboxShare final : public port::DrivePort {

@@ -16,6 +16,7 @@
 #include "option_boards/boards/oi_fr_e5nco/register_map.hpp"
 #include "option_boards/modbus/pdu.hpp"
 #include "option_boards/modbus/unit.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/result.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
@@ -40,10 +41,19 @@ class ModbusUnit final : public modbus::Unit {
   bool has_request(modbus::ClientId client) const override;
   void forget(modbus::ClientId client) override;
 
+  friend void archive(Archive& a, ModbusUnit& unit) {
+    VINV_MEMBERS(unit, drive, map, state);
+    a.io(state);
+    for (const Answer& answer : state.answers) {
+      a.require(!answer.pdu.empty() && answer.pdu.size() <= modbus::kMaxPdu, "a Modbus answer has no possible length");
+    }
+  }
+
  private:
   struct Answer {
     modbus::ClientId client = 0;
     Bytes pdu;
+    VINV_ARCHIVE(Answer, client, pdu);
   };
   // The write in the mailbox.
   struct PendingWrite {
@@ -51,6 +61,7 @@ class ModbusUnit final : public modbus::Unit {
     port::WriteRequest::Kind kind{};
     Instant posted_at{};
     std::optional<modbus::ClientId> client;  // who awaits the answer: nobody after a broadcast or immediate answer
+    VINV_ARCHIVE(PendingWrite, request, kind, posted_at, client);
   };
   struct State {
     std::uint8_t address = 0;
@@ -58,6 +69,7 @@ class ModbusUnit final : public modbus::Unit {
     std::optional<PendingWrite> pending;
     std::vector<Answer> answers;           // at most one per client
     std::optional<Instant> mode_asked_at;  // operation mode written and accepted, not taken yet
+    VINV_ARCHIVE(State, address, immediate_answer, pending, answers, mode_asked_at);
   };
 
   Result<Bytes, modbus::Exception> read(const modbus::ReadHoldingRegisters& request) const;

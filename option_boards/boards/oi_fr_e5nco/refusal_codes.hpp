@@ -8,6 +8,7 @@
 
 #include "motor_model/port/drive_port.hpp"
 #include "option_boards/canopen/abort_code.hpp"
+#include "sim/base/archive.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
 
@@ -55,6 +56,7 @@ enum class CommandError : std::uint8_t {
   kStr = 0x23,
   kOperatingModeSet = 0x24,
 };
+VINV_ENUM_RANGE(CommandError, kOutsideRange, kOperatingModeSet);
 
 // The situation in which a write was refused.
 struct RefusedIn {

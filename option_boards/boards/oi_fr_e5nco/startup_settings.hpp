@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "option_boards/boards/option_board.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
@@ -16,6 +17,7 @@ struct SerialSetup {
   Duration answer_delay{};
   bool immediate_answer = false;
   friend constexpr bool operator==(const SerialSetup&, const SerialSetup&) = default;
+  VINV_ARCHIVE(SerialSetup, line, answer_delay, immediate_answer);
 };
 SerialSetup parse_pr347(std::uint32_t raw);
 // Start, 8 data, parity if any, 1 stop bit.
@@ -30,6 +32,7 @@ struct AddressSwitches {
   std::uint8_t sw1 = 0;
   std::uint8_t sw2 = 0;
   unsigned value() const { return 10u * sw1 + sw2; }
+  VINV_ARCHIVE(AddressSwitches, sw1, sw2);
 };
 
 // The node address, 1-99; 0 if there is none (switches at 00), and then the board stays silent.

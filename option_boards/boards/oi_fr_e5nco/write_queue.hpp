@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "motor_model/port/drive_port.hpp"
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::boards::oi_fr_e5nco {
@@ -19,9 +20,11 @@ enum class WriteOrigin : std::uint8_t {
   kNmt,       // operation mode by NMT start: waits until the inverter is ready, a refusal becomes an EMCY
   kInternal,  // the board's own: a refusal is nobody's business
 };
+VINV_ENUM_RANGE(WriteOrigin, kSdo, kInternal);
 
 // What replaces what. kRun: everything that starts or stops the motor.
 enum class WriteTopic : std::uint8_t { kMode, kRun, kFrequency, kAnalog, kParameter, kOther };
+VINV_ENUM_RANGE(WriteTopic, kMode, kOther);
 
 struct WriteJob {
   WriteOrigin origin = WriteOrigin::kPdo;
@@ -34,6 +37,11 @@ struct WriteJob {
   std::optional<std::int16_t> target_before{};
 
   void add(const port::WriteRequest& step) { steps[count++] = step; }
+  friend void archive(Archive& a, WriteJob& job) {
+    VINV_MEMBERS(job, origin, topic, steps, count, enables, target_before);
+    VINV_FIELDS(a, WriteJob, origin, topic, steps, count, enables, target_before);
+    a.require(count <= steps.size(), "a write has more steps than there can be");
+  }
 };
 
 struct FinishedWrite {
@@ -63,6 +71,13 @@ class WriteQueue {
   // Collects a decision, posts the next request. Call until empty.
   std::optional<FinishedWrite> advance(Instant now, port::DrivePort& drive);
 
+  friend void archive(Archive& a, WriteQueue& queue) {
+    VINV_MEMBERS(queue, state);
+    a.io(state);
+    a.require(state.count <= kCapacity, "more writes wait than there can be");
+    a.require(!state.in_work || state.in_work->step < state.in_work->job.count, "a write is at a step that it has not");
+  }
+
  private:
   struct InWork {
     WriteJob job;
@@ -71,11 +86,13 @@ class WriteQueue {
     bool silent = false;  // nobody hears of the outcome
     std::uint32_t storage_failures_before = 0;
     bool storage_failed = false;
+    VINV_ARCHIVE(InWork, job, step, posted, silent, storage_failures_before, storage_failed);
   };
   struct State {
     std::array<WriteJob, kCapacity> jobs{};
     std::size_t count = 0;
     std::optional<InWork> in_work;
+    VINV_ARCHIVE(State, jobs, count, in_work);
   };
 
   void remove(std::size_t at);

@@ -25,8 +25,8 @@ void append_base64(std::string& out, ByteView bytes) {
   char* to = out.data() + begin;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t left = std::min<std::size_t>(bytes.size() - i, 3);
-    const std::uint32_t v = static_cast<std::uint32_t>(bytes[i] << 16 | (left > 1 ? bytes[i + 1] << 8 : 0) |
-                                                       (left > 2 ? bytes[i + 2] : 0));
+    const std::uint32_t v =
+        static_cast<std::uint32_t>(bytes[i] << 16 | (left > 1 ? bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0));
     *to++ = kDigits[v >> 18U];
     *to++ = kDigits[v >> 12U & 63U];
     if (left > 1) *to++ = kDigits[v >> 6U & 63U];
@@ -51,9 +51,7 @@ void append_number(std::string& out, std::int64_t value) {
   out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
-void open_blob(std::string& page, const std::string& id) {
-  page += "<script type=\"text/plain\" id=\"" + id + "\">";
-}
+void open_blob(std::string& page, const std::string& id) { page += "<script type=\"text/plain\" id=\"" + id + "\">"; }
 constexpr std::string_view kCloseScript = "</script>\n";
 
 // Finds the index of a word, and gives each new one the next.
@@ -94,10 +92,12 @@ void append_columns(std::string& json, std::string& blobs, const Recording& reco
   for (std::size_t i = 0; i < recording.columns.size(); ++i) {
     const SignalColumn& c = recording.columns[i];
     if (i > 0) json += ',';
-    json += "{\"drive\":" + json_string(c.drive) + ",\"name\":" + json_string(c.name) + ",\"unit\":" + json_string(c.unit);
+    json +=
+        "{\"drive\":" + json_string(c.drive) + ",\"name\":" + json_string(c.name) + ",\"unit\":" + json_string(c.unit);
     const bool constant = is_constant(c);
     json += constant ? ",\"constant\":true}" : "}";
-    packed.assign(c.values.begin(), constant ? c.values.begin() + std::min<long>(1, std::ssize(c.values)) : c.values.end());
+    packed.assign(c.values.begin(),
+                  constant ? c.values.begin() + std::min<long>(1, std::ssize(c.values)) : c.values.end());
     open_blob(blobs, "c" + std::to_string(i));
     append_numbers(blobs, packed);
     blobs += kCloseScript;
@@ -121,8 +121,9 @@ void append_states(std::string& json, const Recording& recording) {
       append_number(values, static_cast<std::int64_t>(words.index(change.value)));
     }
     if (i > 0) json += ',';
-    json += "{\"drive\":" + json_string(s.drive) + ",\"name\":" + json_string(s.name) + ",\"lost\":" + std::to_string(s.lost) +
-            ",\"words\":" + words.json() + ",\"t\":[" + times + "],\"v\":[" + values + "]}";
+    json += "{\"drive\":" + json_string(s.drive) + ",\"name\":" + json_string(s.name) +
+            ",\"lost\":" + std::to_string(s.lost) + ",\"words\":" + words.json() + ",\"t\":[" + times + "],\"v\":[" +
+            values + "]}";
   }
   json += "],";
 }

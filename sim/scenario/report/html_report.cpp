@@ -38,8 +38,10 @@ void append_head(std::string& page, const RunResult& result, const std::string& 
 }
 
 void append_plant(std::string& page, const Scenario& scenario) {
-  page += "<details><summary>Plant and variables</summary>\n<table><thead><tr><th>drive</th><th>inverter</th><th>board</th></tr>"
-          "</thead><tbody>\n";
+  page +=
+      "<details><summary>Plant and "
+      "variables</summary>\n<table><thead><tr><th>drive</th><th>inverter</th><th>board</th></tr>"
+      "</thead><tbody>\n";
   for (const rig::DriveSpec& d : scenario.plant.drives) {
     page += "<tr><td>" + html_text(d.name) + "</td><td>" + html_text(d.model.value) + "</td><td>";
     if (d.board) page += html_text(fmt::format("{}, node {}", d.board->type.value, d.board->node.value));
@@ -96,7 +98,8 @@ void append_check(std::string& page, const RunResult& result, const CheckResult&
       "<tr class=\"{}\"><td>{}</td><td class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
       "class=\"n\">{}</td></tr>\n",
       c.passed ? "passed" : "failed", c.passed ? "passed" : "failed", time_link(c.at), html_text(c.drive),
-      html_text(c.what), html_text(c.expected), html_text(c.seen), c.where.line > 0 ? std::to_string(c.where.line) : "");
+      html_text(c.what), html_text(c.expected), html_text(c.seen),
+      c.where.line > 0 ? std::to_string(c.where.line) : "");
   if (c.passed) return;
   const std::size_t end = std::min(c.events_before, result.events.size());
   if (c.cause.empty() && end == 0) return;
@@ -120,7 +123,8 @@ void append_checks(std::string& page, const RunResult& result) {
     return;
   }
   page +=
-      "<div class=\"scroll\"><table><thead><tr><th>result</th><th>time, s</th><th>drive</th><th>check</th><th>expected</th>"
+      "<div class=\"scroll\"><table><thead><tr><th>result</th><th>time, "
+      "s</th><th>drive</th><th>check</th><th>expected</th>"
       "<th>seen</th><th>line</th></tr></thead><tbody>\n";
   std::size_t shown = 0;
   for (const bool passed : {false, true}) {
@@ -139,15 +143,15 @@ void append_signals(std::string& page, const Recording& r) {
     page += "<p>None recorded.</p>\n</section>\n";
     return;
   }
-  page += fmt::format("<p class=\"note\">{} of {}, every {:g} ms",
-                      count_text(r.times.size(), "sample", "samples"), count_text(r.columns.size(), "signal", "signals"),
-                      to_seconds(r.coarsest) * 1e3);
+  page += fmt::format("<p class=\"note\">{} of {}, every {:g} ms", count_text(r.times.size(), "sample", "samples"),
+                      count_text(r.columns.size(), "signal", "signals"), to_seconds(r.coarsest) * 1e3);
   if (r.windows > 0 && r.finest < r.coarsest) {
     page += fmt::format(", and every {:g} ms in {} around what happened", to_seconds(r.finest) * 1e3,
                         count_text(r.windows, "span", "spans"));
   }
   page += '.';
-  if (r.windows_lost > 0) page += fmt::format(" {} are only as fine as the rest.", count_text(r.windows_lost, "more span", "more spans"));
+  if (r.windows_lost > 0)
+    page += fmt::format(" {} are only as fine as the rest.", count_text(r.windows_lost, "more span", "more spans"));
   page += "</p>\n<noscript><p class=\"note\">The plots need scripts; the files have the same data.</p></noscript>\n";
   page += "<div id=\"plots\"></div>\n</section>\n";
 }
@@ -164,9 +168,10 @@ void append_events(std::string& page, const RunResult& result) {
   const std::size_t shown = std::min(result.events.size(), kMaxEventsWithoutScripts);
   for (std::size_t i = 0; i < shown; ++i) {
     const Event& e = result.events[i];
-    page += fmt::format("<tr class=\"{0}\"><td class=\"n\">{1}</td><td>{0}</td><td>{2}</td><td>{3}</td><td class=\"n\">{4}</td></tr>\n",
-                        kind_word(e.kind), time_link(e.at), html_text(e.drive), html_text(e.text),
-                        e.line > 0 ? std::to_string(e.line) : "");
+    page += fmt::format(
+        "<tr class=\"{0}\"><td class=\"n\">{1}</td><td>{0}</td><td>{2}</td><td>{3}</td><td class=\"n\">{4}</td></tr>\n",
+        kind_word(e.kind), time_link(e.at), html_text(e.drive), html_text(e.text),
+        e.line > 0 ? std::to_string(e.line) : "");
   }
   page += "</tbody></table></div>\n";
   if (result.events.size() > shown)
@@ -212,7 +217,8 @@ std::string html_report(const Scenario* scenario, const RunResult& result, const
   page += data::UPLOT_LICENSE;
   page += "-->\n<script>\n";
   page += data::UPLOT_JS;
-  for (const std::string_view script : {data::BASE_JS, data::TABLES_JS, data::LANES_JS, data::PANES_JS, data::PAGE_JS}) {
+  for (const std::string_view script :
+       {data::BASE_JS, data::TABLES_JS, data::LANES_JS, data::PANES_JS, data::PAGE_JS}) {
     page += "</script>\n<script>\n";
     page += script;
   }

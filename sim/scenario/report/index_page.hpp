@@ -18,10 +18,10 @@ struct IndexEntry {
   Instant end{};
   std::size_t checks = 0;
   std::size_t failures = 0;
-  std::string first_failure;         // a sentence; of kNotRun the reason
+  std::string first_failure;  // a sentence; of kNotRun the reason
   Instant first_failure_at{};
-  std::string page;                  // file name of the HTML report; empty: it could not be written
-  std::vector<ReportFile> files;     // the others
+  std::string page;                    // file name of the HTML report; empty: it could not be written
+  std::vector<ReportFile> files;       // the others
   std::vector<std::string> unwritten;  // a sentence for each file that could not be written
 };
 

@@ -82,7 +82,7 @@ class Capture {
 
   Bytes finish() {
     for (auto& [network, line] : lines_) line->flush();
-    for (auto& [network, connection] : connections_) connection->conversation->close(transports::TcpSide::kClient);
+    for (auto& [key, connection] : connections_) connection->conversation->close(transports::TcpSide::kClient);
     // A serial packet is complete only some time after it began.
     std::stable_sort(blocks_.begin(), blocks_.end(), [](const Block& a, const Block& b) { return a.at < b.at; });
     head_.reserve(head_.size() + packets_.size());
@@ -114,8 +114,10 @@ class Capture {
   void can(const WireRecord& r, const Bytes& data) {
     auto found = buses_.find(r.network);
     if (found == buses_.end()) {
-      found = buses_.emplace(r.network, encoder_.add_interface(head_, transports::kLinkTypeSocketCan,
-                                                               interface_name(r.network, "can0"))).first;
+      found = buses_
+                  .emplace(r.network, encoder_.add_interface(head_, transports::kLinkTypeSocketCan,
+                                                             interface_name(r.network, "can0")))
+                  .first;
     }
     packet(found->second, r.at, data);
   }
@@ -133,19 +135,23 @@ class Capture {
 
   void tcp(const WireRecord& r) {
     using transports::TcpSide;
-    auto& connection = connections_[r.network];
+    auto& connection = connections_[{r.network, r.connection}];
     if (!connection) {
       const auto number = static_cast<std::uint32_t>(connections_.size() - 1);
-      const std::uint32_t id =
-          encoder_.add_interface(head_, transports::LinkType::kEthernet, interface_name(r.network, "tcp"));
+      auto network = ethernets_.find(r.network);
+      if (network == ethernets_.end())
+        network = ethernets_
+                      .emplace(r.network, encoder_.add_interface(head_, transports::LinkType::kEthernet,
+                                                                 interface_name(r.network, "tcp")))
+                      .first;
+      const std::uint32_t id = network->second;
       connection = std::make_unique<Connection>();
       connection->last = r.at;
       connection->conversation = std::make_unique<transports::TcpConversation>(
           test_net(1, static_cast<std::uint16_t>(49152 + number % 16384)),
           transports::parse_ip_endpoint(r.network).value_or(test_net(254, 502)), number,
           [this, id, &last = connection->last](TcpSide from, ByteView frame) {
-            packet(id, last, frame,
-                   from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
+            packet(id, last, frame, from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
           });
       connection->conversation->open();
     }
@@ -159,7 +165,8 @@ class Capture {
   transports::PcapngEncoder encoder_;
   std::map<std::string, std::uint32_t> buses_;
   std::map<std::string, std::unique_ptr<transports::SerialPackets>> lines_;
-  std::map<std::string, std::unique_ptr<Connection>> connections_;
+  std::map<std::string, std::uint32_t> ethernets_;
+  std::map<std::pair<std::string, std::uint32_t>, std::unique_ptr<Connection>> connections_;
 };
 
 }  // namespace

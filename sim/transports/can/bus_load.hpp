@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::transports {
@@ -35,6 +36,7 @@ class CanLoadMeter {
   Duration last_{};
   Duration peak_{};
   Duration total_{};
+  VINV_ARCHIVE(CanLoadMeter, start_, window_, counted_to_, in_window_, last_, peak_, total_);
 };
 
 }  // namespace vinv::transports

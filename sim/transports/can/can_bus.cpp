@@ -367,6 +367,8 @@ void CanBus::set_faults(CanFaultPlan plan) {
 
 void CanBus::add_fault(CanFaultRule rule) { impl_->judge.add(std::move(rule)); }
 
+void CanBus::reseed(std::uint64_t seed) { impl_->judge.reseed(seed); }
+
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }
 kernel::Scheduler& CanBus::scheduler() const { return impl_->scheduler; }

@@ -80,6 +80,8 @@ class CanBus {
   void stop_observing(const CanBusObserver* observer);
   // From the next frame that a node sends; replaces the plan before it.
   void set_faults(CanFaultPlan plan);
+  // Other luck for the faults from here on.
+  void reseed(std::uint64_t seed);
   // Behind the rules of the plan there is.
   void add_fault(CanFaultRule rule);
   // Somebody signals an error now: it destroys the frame on the wire, or is one of its own on a free bus.
@@ -95,9 +97,13 @@ class CanBus {
   // observers stay, and are told nothing. Refused with a sentence if the scheduler's time or the bit rate is not that
   // of the state, or the nodes attached now are not those of the state by name, order and length of their queues.
   Result<void, std::string> restore(const CanBusState& state);
+  // As a part of a plant's snapshot: nodes, wire and pending events, these at their places in the order. The bus that
+  // loads has the name, bit rate and nodes of the one that was saved.
+  friend void archive(Archive& a, CanBus& bus) { bus.archive_state(a); }
 
  private:
   friend class CanNode;
+  void archive_state(Archive& a);
   struct Impl;
   std::shared_ptr<Impl> impl_;
 };

@@ -48,6 +48,8 @@ struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
   CanBusState save() const;
   Result<void, std::string> restore(const CanBusState& state);
   void cancel_events();
+  void archive_state(Archive& a);
+  void archive_nodes(Archive& a);
 
   // The wire.
   bool is_timed() const { return options.timing == CanBusOptions::Timing::kExact; }

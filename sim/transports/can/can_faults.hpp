@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/archive.hpp"
 #include "sim/base/can_frame.hpp"
 #include "sim/base/random.hpp"
 #include "sim/base/time.hpp"
@@ -41,6 +42,8 @@ struct CanFaultRule {
   unsigned times = 1;  // kCorrupt, kErrorFrame: attempts to send it that fail
 };
 
+void archive(Archive& a, CanFaultRule& rule);
+
 struct CanFaultPlan {
   std::uint64_t seed = 1;
   std::vector<CanFaultRule> rules;
@@ -71,10 +74,16 @@ class CanFaultJudge {
     plan_.rules.push_back(std::move(rule));
     counts_.emplace_back();
   }
+  // Chance begins anew; what the rules have counted stays.
+  void reseed(std::uint64_t seed) {
+    plan_.seed = seed;
+    random_ = Random(seed);
+  }
   // Which bit of kCorrupt, which byte of kTwin: 0 to bound - 1.
   std::uint64_t pick(std::uint64_t bound) { return random_.below(bound); }
   // Times a rule has acted.
   std::uint64_t injected() const { return injected_; }
+  friend void archive(Archive& a, CanFaultJudge& judge);
 
  private:
   CanFaultPlan plan_;

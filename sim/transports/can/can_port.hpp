@@ -48,7 +48,8 @@ class CanPort {
   virtual ~CanPort() = default;
   // Handlers may send, set other handlers or destroy ports, this one too.
   virtual void set_handlers(CanHandlers handlers) = 0;
-  // Never blocks and calls no handler. Frames of one port are sent in the order of their sending. The frame is well formed.
+  // Never blocks and calls no handler. Frames of one port are sent in the order of their sending. The frame is well
+  // formed.
   virtual CanSend send(Instant now, const CanFrame& frame) = 0;
   // Frames that send() takes now.
   virtual std::size_t queue_room() const = 0;

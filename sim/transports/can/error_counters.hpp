@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "sim/base/archive.hpp"
+
 namespace vinv::transports {
 
 enum class CanState : std::uint8_t {
@@ -14,6 +16,7 @@ enum class CanState : std::uint8_t {
   kBusOff,
   kOffline,  // switched off, interface down, no connection
 };
+VINV_ENUM_RANGE(CanState, kErrorActive, kOffline);
 constexpr const char* text(CanState state) {
   switch (state) {
     case CanState::kErrorActive: return "error active";
@@ -60,6 +63,7 @@ struct CanErrorCounters {
   }
   constexpr void on_receive_error() { rec = std::min(rec + 1, kRecMax); }        // a)
   constexpr void on_dominant_after_flag() { rec = std::min(rec + 8, kRecMax); }  // b)
+  VINV_ARCHIVE(CanErrorCounters, tec, rec);
 };
 
 }  // namespace vinv::transports

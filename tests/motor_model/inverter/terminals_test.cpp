@@ -171,7 +171,11 @@ TEST(Terminals, WithTheInterlockOnTheNetworkMayRunToo) {
 
 TEST(Terminals, X18SwitchesFluxVectorControlOff) {
   const auto voltage_at_5_hz = [](bool x18) {
-    Bench b = fast({{"Pr.183", 18}, {"Pr.80", 1.5}, {"Pr.6", 5}});
+    InverterConfig config = config_1k5();
+    config.load.constant_nm = 3;
+    Bench b(config);
+    for (const auto& [name, value] : {std::pair{"Pr.183", 18.0}, {"Pr.80", 1.5}, {"Pr.6", 5.0}}) b.preset(name, value);
+    b.power_on();
     b.terminal("MRS", x18);
     b.terminal("RL");
     b.terminal("STF");

@@ -1,4 +1,5 @@
-// PowerPlant as its owner uses it: inputs, then 1 ms ticks. Charging, mains, chopper, comparators, inputs, temperatures.
+// PowerPlant as its owner uses it: inputs, then 1 ms ticks. Charging, mains, chopper, comparators, inputs,
+// temperatures.
 #include "motor_model/plant/power_plant.hpp"
 
 #include <gtest/gtest.h>

@@ -39,8 +39,8 @@ class FakeDrive final : public port::DrivePort {
   unsigned dead_ticks_after_reset = 100;
   std::optional<port::Refusal> refuse_decision;  // instead of the decision
   std::optional<port::Refusal> refuse_post;
-  port::NetTerminals signals_on;   // start signals of any source
-  bool storage_fails = false;      // accepted parameter writes cannot be stored
+  port::NetTerminals signals_on;  // start signals of any source
+  bool storage_fails = false;     // accepted parameter writes cannot be stored
 
   // What tests look at.
   std::vector<port::WriteRequest> posted;

@@ -8,6 +8,7 @@
 #include "sim/campaign/merge.hpp"
 #include "sim/campaign/shrink.hpp"
 #include "sim/scenario/report/csv_report.hpp"
+#include "sim/scenario/virtual_run.hpp"
 #include "tests/sim/campaign/support.hpp"
 
 namespace vinv::campaign {

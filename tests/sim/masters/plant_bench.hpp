@@ -13,7 +13,6 @@
 #include "sim/masters/canopen_station.hpp"
 #include "sim/masters/modbus_station.hpp"
 #include "sim/rig/plant.hpp"
-#include "sim/transports/memory_link.hpp"
 
 namespace vinv::test {
 
@@ -65,21 +64,27 @@ struct PlantBench {
 
   std::unique_ptr<masters::ModbusStation> serial_master(masters::ModbusMasterSettings settings = {}) {
     settings.framing = masters::ModbusFraming::kRtu;
-    return std::make_unique<masters::ModbusStation>(scheduler, settings, [this, settings](Instant) {
-      auto [board, master] = transports::make_memory_link(
-          scheduler, {.character = std::chrono::nanoseconds(std::int64_t{1'000'000'000} * settings.bits_per_character /
-                                                            settings.baud)});
-      plant.connect_serial(*mill().spec.board->serial, std::move(board));
-      return std::move(master);
-    });
+    return std::make_unique<masters::ModbusStation>(
+        scheduler, settings,
+        [this, settings](Instant) {
+          auto [board, master] =
+              plant.net().connect({.character = std::chrono::nanoseconds(std::int64_t{1'000'000'000} *
+                                                                         settings.bits_per_character / settings.baud)});
+          plant.connect_serial(*mill().spec.board->serial, std::move(board));
+          return std::move(master);
+        },
+        &plant.net());
   }
   std::unique_ptr<masters::ModbusStation> tcp_master(masters::ModbusMasterSettings settings = {}) {
     settings.framing = masters::ModbusFraming::kTcp;
-    return std::make_unique<masters::ModbusStation>(scheduler, settings, [this](Instant at) {
-      auto [board, master] = transports::make_memory_link(scheduler, {.delay = std::chrono::microseconds(100)});
-      plant.accept_tcp(*mill().spec.board->tcp, at, std::move(board));
-      return std::move(master);
-    });
+    return std::make_unique<masters::ModbusStation>(
+        scheduler, settings,
+        [this](Instant at) {
+          auto [board, master] = plant.net().connect({.delay = std::chrono::microseconds(100)});
+          plant.accept_tcp(*mill().spec.board->tcp, at, std::move(board));
+          return std::move(master);
+        },
+        &plant.net());
   }
   transports::CanBus& bus() { return plant.can_line_of(mill())->bus(); }
   std::unique_ptr<masters::CanopenStation> canopen_master(const masters::CanopenMasterSettings& settings = {}) {

@@ -251,6 +251,10 @@ class FakeBoard : public boards::OptionBoard, public boards::SerialChannel, publ
   int drive_ticks = 0;
 
  private:
+  void archive_state(Archive& a) override {
+    VINV_FIELDS(a, FakeBoard, can.rate, can.node_now, can.to_send, line, sw1, drive_ticks, powered_, answer_,
+                answer_at_, frames_, requests_);
+  }
   unsigned node_;
   Journal& journal_;
   bool powered_ = false;

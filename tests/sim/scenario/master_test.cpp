@@ -1,6 +1,8 @@
 // `via:`: the same words through a master, and raw frames.
 #include <deque>
 
+#include "sim/scenario/protocol_masters.hpp"
+#include "sim/transports/memory_link.hpp"
 #include "tests/sim/scenario/support.hpp"
 
 namespace vinv::scenario {
@@ -32,6 +34,8 @@ class EchoMaster : public Master {
     context_.on_wire({now, WireRecord::Kind::kSerial, "line", "master", 0, Bytes(frame.begin(), frame.end())});
   }
   std::vector<Bytes> take_frames() override { return std::exchange(frames_, {}); }
+  void archive_wires(Archive&) override {}
+  void archive_state(Archive& a) override { a.fail("an echo cannot be saved"); }
 
  private:
   MasterContext context_;
@@ -151,6 +155,25 @@ TEST(Frames, BadBytesAndMasksAreRefusedAtReading) {
                            "{ via: echo, expect_frame: { bytes: 05 06 } }",
                            "{ via: echo, expect_frame: { bytes: 05 06, within: 1 s, absent_for: 1 s } }"})
     EXPECT_THROW(run_via(std::string("  - ") + step + "\n"), ScenarioFileError) << step;
+}
+
+TEST(ProtocolMasters, ASerialLineThatSomebodyOutsideHasIsNotTakenAway) {
+  kernel::Scheduler scheduler;
+  rig::PlantOptions options;
+  options.catalogue = rig::shipped_catalogue();
+  rig::Plant plant(rig::parse_plant_file("drives: [{ board: { node: 5 } }]\n", "p.yaml", options.catalogue), scheduler,
+                   options);
+  const auto refused = [&] {
+    std::string out;
+    for (const MasterKind& kind : protocol_masters())
+      if (const auto made = kind.make({plant, 1, {}}); !made) out += std::string(kind.name) + ": " + made.error();
+    return out;
+  };
+  EXPECT_EQ(refused(), "");
+  auto [board, outside] = transports::make_memory_link(scheduler);
+  plant.connect_serial(0, std::move(board));
+  EXPECT_TRUE(refused().starts_with("modbus: serial line ")) << refused();
+  EXPECT_EQ(refused().find("modbus_tcp: "), std::string::npos);
 }
 
 }  // namespace

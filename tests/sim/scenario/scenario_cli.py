@@ -81,6 +81,28 @@ with tempfile.TemporaryDirectory() as folder:
         expect(ElementTree.parse(f"{folder}/full{n}.xml").getroot().get("tests") == "2", f"JUnit without {lost}")
     code, out, err = run("run", GOOD, "--junit", "/dev/full", "--report", folder + "/kept")
     expect(code == 2 and len(os.listdir(folder + "/kept")) == 5, f"reports without JUnit: {code} {err}")
+    snap = folder + "/run.snap"
+    talk = ROOT + "/scenarios/fr-e500/master_modbus.yaml"
+    code, out, err = run("run", talk, "--snapshot-at", "1.23 s", "--snapshot", snap, "--report", folder + "/whole")
+    expect(code == 0 and f"at 1.3 s in {snap}" in err, f"a run is saved at the next instant: {code} {out} {err}")
+    code, out, err = run("run", talk, "--resume", snap, "--report", folder + "/resumed")
+    expect(code == 0 and "passed" in out, f"a run is resumed: {code} {out} {err}")
+    for name in os.listdir(folder + "/whole"):
+        with open(f"{folder}/whole/{name}", "rb") as a, open(f"{folder}/resumed/{name}", "rb") as b:
+            expect(a.read() == b.read(), f"{name} is the same")
+    code, out, err = run("run", GOOD, "--resume", snap)
+    expect(code == 2 and "the snapshot is of another plant" in out, f"another plant is told: {code} {out} {err}")
+    with open(snap, "r+b") as f:
+        f.seek(-100, 2)
+        f.write(b"damage")
+    code, out, err = run("run", talk, "--resume", snap)
+    expect(code == 2 and "damaged" in err and snap in err, f"damage is told: {code} {out} {err}")
+    code, out, err = run("run", talk, "--snapshot-at", "900 s", "--snapshot", snap)
+    expect(code == 2 and "there is no snapshot: the run is over at" in out, f"an end before is told: {code} {out} {err}")
+    code, out, err = run("run", talk, "--snapshot-at", "3", "--snapshot", snap)
+    expect(code == 2 and "--snapshot-at" in err and "unit" in err, f"a time has a unit: {code} {out} {err}")
+    code, out, err = run("run", talk, "--snapshot", snap)
+    expect(code == 2 and "go together" in err, f"a file needs a time: {code} {out} {err}")
 
     code, out, err = run("run", failing, "--set", "f=3")
     expect(code == 2 and "no variable" in out, f"an unknown variable is told: {code} {out}")

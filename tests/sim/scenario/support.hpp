@@ -7,6 +7,7 @@
 
 #include "sim/scenario/runner.hpp"
 #include "sim/scenario/scenario_file.hpp"
+#include "sim/scenario/virtual_run.hpp"
 
 namespace vinv::scenario::testing {
 

@@ -21,14 +21,15 @@ Bytes bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
 struct Bench {
   kernel::Scheduler scheduler;
   std::unique_ptr<ByteStream> peer;
+  std::shared_ptr<FaultCourse> course;
   std::unique_ptr<FaultInjector> faulty;
   std::string at_peer;
   std::string at_us;
 
-  explicit Bench(FaultPlan plan) {
+  explicit Bench(FaultPlan plan) : course(std::make_shared<FaultCourse>(std::move(plan))) {
     auto link = make_memory_link(scheduler);
     peer = std::move(link.second);
-    faulty = std::make_unique<FaultInjector>(scheduler, std::move(link.first), std::move(plan));
+    faulty = std::make_unique<FaultInjector>(scheduler, std::move(link.first), course);
     listen(*peer, at_peer);
     listen(*faulty, at_us);
   }
@@ -229,10 +230,10 @@ TEST(FaultInjector, RulesThatComeLaterCountFromThen) {
   Bench b({});
   b.run(2);
   const FaultInjector::Handle handle = b.faulty->handle();
-  handle.add(nth(Fault::kDrop, 1));
+  b.course->add(nth(Fault::kDrop, 1));
   for (const char* text : {"a", "b"}) b.faulty->send(b.scheduler.now(), bytes_of(text));
-  handle.clear();
-  handle.add(nth(Fault::kGarble, 1));
+  b.course->restart({});
+  b.course->add(nth(Fault::kGarble, 1));
   b.faulty->send(b.scheduler.now(), bytes_of("cdefgh"));
   b.scheduler.run_until(at_ms(20'000));
   EXPECT_TRUE(b.at_peer.starts_with("10:s1 20:s2 10000:b 10000:")) << b.at_peer;
@@ -240,7 +241,22 @@ TEST(FaultInjector, RulesThatComeLaterCountFromThen) {
   EXPECT_EQ(b.faulty->injected(), 2u);
   b.faulty.reset();
   EXPECT_FALSE(handle.alive());
-  handle.add(nth(Fault::kDrop, 1));
+}
+
+TEST(FaultCourse, PiecesAreCountedOverTheConnectionsThatShareIt) {
+  kernel::Scheduler s;
+  const auto course = std::make_shared<FaultCourse>(FaultPlan{.seed = 1, .rules = {nth(Fault::kDrop, 3)}});
+  std::string heard;
+  for (int connection = 0; connection < 3; ++connection) {
+    auto [ours, theirs] = make_memory_link(s);
+    FaultInjector faulty(s, std::move(ours), course);
+    Bench::listen(*theirs, heard);
+    for (int piece = 0; piece < 2; ++piece)
+      faulty.send(s.now(), bytes_of(std::to_string(connection) + std::to_string(piece)));
+    s.run_until(s.now() + milliseconds(1));
+    theirs->close();
+  }
+  EXPECT_EQ(heard, "0:00 0:01 1:11 2:20 2:21 ") << "the first piece of the second connection is the third";
 }
 
 }  // namespace

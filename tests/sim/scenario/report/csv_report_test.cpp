@@ -20,8 +20,7 @@ TEST(CsvReport, SignalsHaveOneHeaderWithUnits) {
 TEST(CsvReport, AColumnThatEndsEarlyOrHasNoNumberLeavesFieldsEmpty) {
   Recording r = small_run().recording;
   r.columns[0].values = {1, std::nan("")};
-  EXPECT_EQ(signals_csv(r),
-            "time_s,fan.output_frequency [Hz],fan.fan\r\n0.000,1,1\r\n0.010,,1\r\n0.020,,1\r\n");
+  EXPECT_EQ(signals_csv(r), "time_s,fan.output_frequency [Hz],fan.fan\r\n0.000,1,1\r\n0.010,,1\r\n0.020,,1\r\n");
 }
 
 TEST(CsvReport, ANumberReturnsAfterAnotherOne) {

@@ -21,12 +21,12 @@ TEST(IndexPage, HasARowForEachRunWithItsFirstFailure) {
   const std::string page = index_page({failed, index_entry(good)}, "build 1");
   EXPECT_THAT(page, HasSubstr("<h1>Scenarios: 1 passed, 1 failed, 0 could not run</h1>"));
   EXPECT_THAT(page, HasSubstr("<p class=\"verdict failed\">failed</p>"));
-  EXPECT_THAT(page,
-              HasSubstr("<tr class=\"failed\"><td>failed</td><td><a href=\"fr-e500_stop.html\">A short stop trips on "
-                        "over-voltage</a><br><small>scenarios/fr-e500/stop.yaml, seed 7</small></td>"
-                        "<td class=\"n\" data-sort=\"20000000\">0.020</td><td class=\"n\" data-sort=\"1\">1 of 2</td>"
-                        "<td><a href=\"fr-e500_stop.html#t=0.020\">0.020 s</a> fan alarm: expected none, seen E.OV3</td>"
-                        "<td><a href=\"fr-e500_stop.csv\">signals.csv</a></td></tr>"));
+  EXPECT_THAT(
+      page, HasSubstr("<tr class=\"failed\"><td>failed</td><td><a href=\"fr-e500_stop.html\">A short stop trips on "
+                      "over-voltage</a><br><small>scenarios/fr-e500/stop.yaml, seed 7</small></td>"
+                      "<td class=\"n\" data-sort=\"20000000\">0.020</td><td class=\"n\" data-sort=\"1\">1 of 2</td>"
+                      "<td><a href=\"fr-e500_stop.html#t=0.020\">0.020 s</a> fan alarm: expected none, seen E.OV3</td>"
+                      "<td><a href=\"fr-e500_stop.csv\">signals.csv</a></td></tr>"));
   EXPECT_THAT(page, HasSubstr("<tr class=\"passed\"><td>passed</td>"));
 }
 

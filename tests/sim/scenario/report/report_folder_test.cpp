@@ -63,8 +63,8 @@ TEST_F(ReportFolderTest, ARunWithWiresHasAllFiles) {
   writer.write(nullptr, r);
   writer.finish();
   EXPECT_THAT(names(folder("a/b")),
-              ElementsAre("fr-e500_stop.candump.log", "fr-e500_stop.csv", "fr-e500_stop.events.csv", "fr-e500_stop.html",
-                          "fr-e500_stop.pcapng", "fr-e500_stop.states.csv", "index.html"));
+              ElementsAre("fr-e500_stop.candump.log", "fr-e500_stop.csv", "fr-e500_stop.events.csv",
+                          "fr-e500_stop.html", "fr-e500_stop.pcapng", "fr-e500_stop.states.csv", "index.html"));
 }
 
 TEST_F(ReportFolderTest, TheSameRunsGiveTheSameBytesInAnotherFolder) {
@@ -89,7 +89,8 @@ TEST_F(ReportFolderTest, RunsOfTheSameNameDoNotOverwriteEachOther) {
   r.path = "index.yaml";
   writer.write(nullptr, r);
   writer.finish();
-  EXPECT_THAT(names(folder("x")), ElementsAre("fr-e500_stop-2.html", "fr-e500_stop.html", "index-2.html", "index.html"));
+  EXPECT_THAT(names(folder("x")),
+              ElementsAre("fr-e500_stop-2.html", "fr-e500_stop.html", "index-2.html", "index.html"));
 }
 
 TEST_F(ReportFolderTest, AFullDiskCostsOnlyTheFileThatDoesNotFit) {
@@ -99,8 +100,8 @@ TEST_F(ReportFolderTest, AFullDiskCostsOnlyTheFileThatDoesNotFit) {
   const std::string failure = failure_of(writer, small_run());
   EXPECT_EQ(failure, folder("x") + "/fr-e500_stop.csv.new cannot be written: No space left on device.");
   writer.finish();
-  EXPECT_THAT(names(folder("x")), ElementsAre("fr-e500_stop.events.csv", "fr-e500_stop.html", "fr-e500_stop.states.csv",
-                                              "index.html"));
+  EXPECT_THAT(names(folder("x")),
+              ElementsAre("fr-e500_stop.events.csv", "fr-e500_stop.html", "fr-e500_stop.states.csv", "index.html"));
   const auto files = content(folder("x"));
   EXPECT_THAT(files.at("fr-e500_stop.html"), Not(HasSubstr("fr-e500_stop.csv"))) << "no link to nothing";
   EXPECT_THAT(files.at("index.html"), HasSubstr("No space left on device"));

@@ -89,15 +89,29 @@ inline RunResult long_run(std::size_t frames) {
     double scale;
     double wobble;
   };
-  const std::vector<Kind> kinds = {
-      {"set_frequency", "Hz", 50, 0},   {"output_frequency", "Hz", 50, 0},    {"output_current", "A", 3.1, 0.2},
-      {"output_voltage", "V", 380, 1},  {"dc_link", "V", 540, 4},             {"speed", "rpm", 1450, 2},
-      {"torque", "Nm", 9.5, 0.3},       {"load_torque", "Nm", 9.0, 0.01},     {"shaft_power", "W", 1400, 8},
-      {"input_power", "W", 1650, 20},   {"output_power", "W", 1600, 9},       {"brake_power", "W", 0, 0},
-      {"motor_thermal", "%", 63, 0.001}, {"inverter_thermal", "%", 40, 0.001}, {"brake_duty", "%", 0, 0},
-      {"heat_sink", "degC", 45, 0.001}, {"winding", "degC", 70, 0.001},       {"run_state", "-", 3, 0},
-      {"alarm_code", "-", 0, 0},        {"am", "V", 10, 0.01},                {"fan", "-", 1, 0},
-      {"carrier", "Hz", 14500, 0},      {"operating_hours", "h", 1, 0}};
+  const std::vector<Kind> kinds = {{"set_frequency", "Hz", 50, 0},
+                                   {"output_frequency", "Hz", 50, 0},
+                                   {"output_current", "A", 3.1, 0.2},
+                                   {"output_voltage", "V", 380, 1},
+                                   {"dc_link", "V", 540, 4},
+                                   {"speed", "rpm", 1450, 2},
+                                   {"torque", "Nm", 9.5, 0.3},
+                                   {"load_torque", "Nm", 9.0, 0.01},
+                                   {"shaft_power", "W", 1400, 8},
+                                   {"input_power", "W", 1650, 20},
+                                   {"output_power", "W", 1600, 9},
+                                   {"brake_power", "W", 0, 0},
+                                   {"motor_thermal", "%", 63, 0.001},
+                                   {"inverter_thermal", "%", 40, 0.001},
+                                   {"brake_duty", "%", 0, 0},
+                                   {"heat_sink", "degC", 45, 0.001},
+                                   {"winding", "degC", 70, 0.001},
+                                   {"run_state", "-", 3, 0},
+                                   {"alarm_code", "-", 0, 0},
+                                   {"am", "V", 10, 0.01},
+                                   {"fan", "-", 1, 0},
+                                   {"carrier", "Hz", 14500, 0},
+                                   {"operating_hours", "h", 1, 0}};
   for (const Kind& k : kinds) rec.columns.push_back({"fan", k.name, k.unit, {}});
   for (int ms = 0; ms <= 60'000; ++ms) {
     rec.times.push_back(at_ms(ms));
@@ -115,13 +129,14 @@ inline RunResult long_run(std::size_t frames) {
   StateTrace blinking{"fan", "led", {}, 0};
   for (int ms = 0; ms < 60'000; ms += 50) blinking.changes.push_back({at_ms(ms), ms % 100 == 0 ? "on" : "off"});
   rec.states.push_back(blinking);
-  r.events = {{at_ms(0), Event::Kind::kAction, "fan", "power on", 10},
-              {at_ms(100), Event::Kind::kAction, "fan", "run: forward", 12},
-              {at_ms(5100), Event::Kind::kState, "fan", "at reference", 0},
-              {at_ms(40'000), Event::Kind::kAction, "fan", "stop", 15},
-              {at_ms(41'200), Event::Kind::kTrip, "fan", "trip E.OV3: DC link 802 V at 41.200 s, deceleration 0.5 s", 0},
-              {at_ms(50'000), Event::Kind::kAction, "fan", "reset", 17},
-              {at_ms(55'000), Event::Kind::kNote, "", "end of the story", 18}};
+  r.events = {
+      {at_ms(0), Event::Kind::kAction, "fan", "power on", 10},
+      {at_ms(100), Event::Kind::kAction, "fan", "run: forward", 12},
+      {at_ms(5100), Event::Kind::kState, "fan", "at reference", 0},
+      {at_ms(40'000), Event::Kind::kAction, "fan", "stop", 15},
+      {at_ms(41'200), Event::Kind::kTrip, "fan", "trip E.OV3: DC link 802 V at 41.200 s, deceleration 0.5 s", 0},
+      {at_ms(50'000), Event::Kind::kAction, "fan", "reset", 17},
+      {at_ms(55'000), Event::Kind::kNote, "", "end of the story", 18}};
   r.checks[0].at = at_ms(5100);
   r.checks[1].at = at_ms(41'300);
   r.checks[1].events_before = 5;

@@ -12,16 +12,21 @@ TEST(ReportText, MarkupBecomesEntities) {
 TEST(ReportText, WhatIsNoUtf8IsReplaced) {
   EXPECT_EQ(clean_utf8("gr\xC3\xBC\xC3\x9F"), "gr\xC3\xBC\xC3\x9F");
   EXPECT_EQ(clean_utf8("\xF0\x9F\x98\x80"), "\xF0\x9F\x98\x80");
-  EXPECT_EQ(clean_utf8("a\xFF" "b"), "a\xEF\xBF\xBD" "b");
-  EXPECT_EQ(clean_utf8("\xC0\xBC" "x"), "\xEF\xBF\xBD\xEF\xBF\xBDx") << "an overlong < stays no <";
+  EXPECT_EQ(clean_utf8("a\xFF"
+                       "b"),
+            "a\xEF\xBF\xBD"
+            "b");
+  EXPECT_EQ(clean_utf8("\xC0\xBC"
+                       "x"),
+            "\xEF\xBF\xBD\xEF\xBF\xBDx")
+      << "an overlong < stays no <";
   EXPECT_EQ(clean_utf8("\xED\xA0\x80"), "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD") << "a surrogate";
   EXPECT_EQ(clean_utf8("\xE2\x82"), "\xEF\xBF\xBD\xEF\xBF\xBD") << "a sequence that ends early";
   EXPECT_EQ(clean_utf8(std::string_view("\0\x1B[0m\t\n", 7)), "\xEF\xBF\xBD\xEF\xBF\xBD[0m\t\n");
 }
 
 TEST(ReportText, JsonCannotEndItsScriptElement) {
-  EXPECT_EQ(json_for_script(R"({"a":"</script><!--&"})"),
-            "{\"a\":\"\\u003c/script\\u003e\\u003c!--\\u0026\"}");
+  EXPECT_EQ(json_for_script(R"({"a":"</script><!--&"})"), "{\"a\":\"\\u003c/script\\u003e\\u003c!--\\u0026\"}");
 }
 
 TEST(ReportText, FileNamesBecomeUrls) {

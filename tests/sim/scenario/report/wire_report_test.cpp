@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
 
 #include "tests/sim/scenario/report/sample_run.hpp"
 
@@ -107,6 +110,56 @@ TEST(WireReport, TcpIsAWholeConnectionToThePortOfTheNetwork) {
   EXPECT_EQ(read_be16(tcp[0].data, 14 + 20 + 2), 1502);
   EXPECT_EQ(tcp[0].data[14 + 20 + 13], 0x02) << "SYN";
   EXPECT_EQ(tcp.back().ns, 12'000'000U);
+}
+
+TEST(WireReport, TcpConnectionsOfOneNetworkAreConversationsOfTheirOwn) {
+  // A query on each, then the answers; later a third connection.
+  std::vector<WireRecord> wire;
+  const auto add = [&](int ms, const char* sender, Bytes bytes, std::uint32_t connection) {
+    wire.push_back({instant_from_ns(ms * 1'000'000), WireRecord::Kind::kTcp, "modbus_tcp", sender, 0, std::move(bytes),
+                    connection});
+  };
+  add(1, "master", {1, 1, 1}, 4);
+  add(2, "master", {2, 2}, 6);
+  add(3, "b", {2, 2, 2, 2}, 6);
+  add(4, "a", {1}, 4);
+  add(9, "master", {3}, 8);
+  struct Flow {
+    std::optional<std::uint32_t> next_sequence;
+    std::size_t bytes = 0;
+    unsigned syns = 0;
+    unsigned fins = 0;
+  };
+  std::map<std::pair<std::uint16_t, std::uint16_t>, Flow> flows;  // by the ports
+  std::set<std::uint32_t> interfaces;
+  for (const Packet& p : packets_of(wire_pcapng(recording_of(std::move(wire))))) {
+    interfaces.insert(p.interface_id);
+    const std::size_t tcp = 14 + 20;
+    Flow& flow = flows[{read_be16(p.data, tcp), read_be16(p.data, tcp + 2)}];
+    Flow& back = flows[{read_be16(p.data, tcp + 2), read_be16(p.data, tcp)}];
+    const std::uint8_t flags = p.data[tcp + 13];
+    const std::uint32_t sequence = read_be32(p.data, tcp + 4);
+    const std::size_t payload = p.data.size() - tcp - 20;
+    if (flow.next_sequence) {
+      EXPECT_EQ(sequence, *flow.next_sequence);
+    }
+    if ((flags & 0x10) != 0) {
+      EXPECT_EQ(read_be32(p.data, tcp + 8), back.next_sequence);
+    }
+    flow.syns += (flags & 2) != 0 ? 1 : 0;
+    flow.fins += flags & 1;
+    flow.bytes += payload;
+    flow.next_sequence = sequence + static_cast<std::uint32_t>(payload) + ((flags & 3) != 0 ? 1 : 0);
+  }
+  EXPECT_EQ(interfaces.size(), 1u);
+  std::vector<std::size_t> bytes;
+  for (const auto& [ports, flow] : flows) {
+    EXPECT_EQ(flow.syns, 1u);
+    EXPECT_EQ(flow.fins, 1u);
+    bytes.push_back(flow.bytes);
+  }
+  std::sort(bytes.begin(), bytes.end());
+  EXPECT_EQ(bytes, (std::vector<std::size_t>{0, 1, 1, 2, 3, 4}));
 }
 
 }  // namespace
