@@ -90,6 +90,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
     std::uint16_t raw = 0;
     VINV_ARCHIVE(PolledParameter, path, raw);
   };
+  // The input data as somebody last asked for its version.
+  struct InputVersion {
+    Image image{};
+    std::uint32_t number = 0;
+    VINV_ARCHIVE(InputVersion, image, number);
+  };
   struct State {
     Supply supply = Supply::kOff;
     bool started = false;  // the inverter has been ready since power-on
@@ -109,15 +115,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
     bool acted_before = false, acted_idle = false;
     bool polled_control = false;                     // NetCtrl was on: the run bits are the master's
     std::optional<PolledParameter> parameter_write;  // waits for the explicit write in work
-    std::uint32_t owners = 0, connections = 0;
+    std::uint32_t owners = 0;
     bool owner_timed_out = false, link_down = false;
-    Image input{};
-    std::uint32_t input_version = 0;
     Instant now{};  // of the last tick
     VINV_ARCHIVE(State, supply, started, was_ready, restart_due, restarted, startup, network, assemblies,
                  control_from_net_at_start, flash, link, terminals, explicit_reset, polled_reset, output, acted,
-                 acted_before, acted_idle, polled_control, parameter_write, owners, connections, owner_timed_out,
-                 link_down, input, input_version, now);
+                 acted_before, acted_idle, polled_control, parameter_write, owners, owner_timed_out, link_down, now);
   };
 
   void start();
@@ -161,10 +164,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   cip::MessageRouter router_;
   cip::BoundObject<CipUnit> objects_;
   State state_;
+  mutable InputVersion input_version_;
   mutable Bytes scratch_;  // keeps its memory
 
   friend void archive(Archive& a, CipUnit& unit) {
     a.io(unit.state_);
+    a.io(unit.input_version_);
     a.io(unit.router_);
   }
 };

@@ -31,7 +31,8 @@ void DriveLink::put(PolledTopic topic, const port::WriteRequest& request) {
 }
 
 std::optional<Instant> DriveLink::next_deadline() const {
-  return state_.decided ? std::optional(state_.answer_at) : std::nullopt;
+  const bool waits = state_.decided || (state_.job && state_.job->clears && state_.step > 0 && !state_.posted);
+  return waits ? std::optional(state_.answer_at) : std::nullopt;
 }
 
 std::optional<Finished> DriveLink::finish_job(const port::WriteOutcome& outcome) {
@@ -94,7 +95,7 @@ port::WriteOutcome DriveLink::post(Instant now, port::DrivePort& drive, const po
 
 std::optional<Finished> DriveLink::post_next(Instant now, port::DrivePort& drive) {
   if (state_.posted) return std::nullopt;
-  const bool job_waits = state_.job && !state_.decided;
+  const bool job_waits = state_.job && !state_.decided && !clears_until(now);
   const auto first =
       std::find_if(state_.polled.begin(), state_.polled.end(), [](const auto& p) { return p.has_value(); });
   if (first != state_.polled.end() && !(job_waits && state_.polled_was_last)) {

@@ -71,7 +71,7 @@ class DriveLink {
   }
   // Collects decisions, posts the next request. Call until empty.
   std::optional<Finished> advance(Instant now, port::DrivePort& drive);
-  // When an answer is due that only waits for its time.
+  // When an answer is due that only waits for its time, or what follows a parameter clear.
   std::optional<Instant> next_deadline() const;
 
  private:
@@ -98,6 +98,10 @@ class DriveLink {
                  polled_was_last);
   };
 
+  // The parameter clear has been decided and takes its time; the next step comes after it.
+  bool clears_until(Instant now) const {
+    return state_.job && state_.job->clears && state_.step > 0 && now < state_.answer_at;
+  }
   std::optional<Finished> collect(Instant now, port::DrivePort& drive);
   std::optional<Finished> finish_job(const port::WriteOutcome& outcome);
   static Finished polled(PolledTopic topic, const port::WriteRequest& request, const port::WriteOutcome& outcome,

@@ -1,6 +1,7 @@
 // Start-up settings, TCP/IP and Ethernet Link objects. FR-A7NE manual, 4.2, 7.8, 7.9.
 #include <gtest/gtest.h>
 
+#include "option_boards/boards/fr_a7ne/leds.hpp"
 #include "tests/option_boards/boards/fr_a7ne/unit_bench.hpp"
 
 namespace vinv::boards::fr_a7ne {
@@ -123,6 +124,52 @@ TEST_F(FrA7neSettings, EthernetLinkTellsAndTakesTheLine) {
   power(true);
   EXPECT_EQ(get(0xF6, 1, 1), "00 0A 00 00 00");
   EXPECT_EQ(get(0xF6, 1, 2), "00 31 00 00 00");
+}
+
+// 1.2: the three tables.
+TEST(FrA7neLeds, ModuleLedShowsTheWorst) {
+  LedSituation s;
+  EXPECT_EQ(module_led(s), "off");
+  s.supplied = s.self_test = true;
+  EXPECT_EQ(module_led(s), "green and red flashing");
+  s.self_test = false;
+  s.initializing = true;
+  EXPECT_EQ(module_led(s), "green");
+  s.initializing = false;
+  EXPECT_EQ(module_led(s), "green flashing");
+  s.minor_fault = true;
+  EXPECT_EQ(module_led(s), "red flashing");
+  s.major_fault = true;
+  EXPECT_EQ(module_led(s), "red");
+}
+
+TEST(FrA7neLeds, NetworkLedShowsAddressAndConnections) {
+  LedSituation s;
+  EXPECT_EQ(network_led(s), "off");
+  s.supplied = true;
+  EXPECT_EQ(network_led(s), "off");
+  s.has_address = true;
+  EXPECT_EQ(network_led(s), "green flashing");
+  s.connected = true;
+  EXPECT_EQ(network_led(s), "green");
+  s.timed_out = true;
+  EXPECT_EQ(network_led(s), "red flashing");
+  s.duplicate_address = true;
+  EXPECT_EQ(network_led(s), "red");
+  s.self_test = true;
+  EXPECT_EQ(network_led(s), "green and red flashing");
+}
+
+TEST(FrA7neLeds, LinkLedShowsTraffic) {
+  LedSituation s;
+  s.link = true;
+  EXPECT_EQ(link_led(s), "off");
+  s.supplied = true;
+  EXPECT_EQ(link_led(s), "green");
+  s.traffic = true;
+  EXPECT_EQ(link_led(s), "green flashing");
+  s.link = false;
+  EXPECT_EQ(link_led(s), "off");
 }
 
 TEST_F(FrA7neSettings, StartWaitsUntilTheInverterCanTell) {

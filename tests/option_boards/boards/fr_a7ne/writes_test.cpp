@@ -184,11 +184,27 @@ TEST_F(FrA7neWrites, IdentityResetFollowsPr75) {
 TEST_F(FrA7neWrites, IdentityResetOneClearsParametersAndFlash) {
   EXPECT_EQ(set(0xF5, 1, 6, "02 00 61 62"), "00");
   EXPECT_EQ(get(0xF5, 1, 6), "00 02 00 61 62");
+  unit.take_restart();
+  EXPECT_EQ(request("05 02 20 01 24 01 01"), "later");
+  tick(4999);
+  EXPECT_EQ(last(Kind::kRestoreDefaults).value, 1u);
+  EXPECT_EQ(count(Kind::kResetInverter), 0u);
+  tick(2);
+  EXPECT_EQ(count(Kind::kResetInverter), 1u);
+  EXPECT_EQ(poll(), "00");
+  EXPECT_FALSE(unit.take_restart());
+  tick(101);
+  EXPECT_TRUE(unit.take_restart());
+  EXPECT_EQ(get(0xF5, 1, 6), "00 00 00");
+}
+
+TEST_F(FrA7neWrites, IdentityResetOneThatIsRefusedResetsNothing) {
+  drive.mode = port::OperationMode::kExternal;
   EXPECT_EQ(request("05 02 20 01 24 01 01"), "later");
   tick(2);
-  EXPECT_EQ(count(Kind::kRestoreDefaults), 1u);
-  EXPECT_EQ(drive.executed[drive.executed.size() - 2].value, 1u);
-  EXPECT_EQ(drive.executed.back().kind, Kind::kResetInverter);
+  EXPECT_EQ(poll(), "0C");
+  tick(6000);
+  EXPECT_TRUE(drive.executed.empty());
 }
 
 TEST_F(FrA7neWrites, SnapshotContinuesInTheMiddleOfAClear) {
