@@ -31,6 +31,13 @@ struct CipUnitConfig {
   Timing timing = Timing::real();
 };
 
+// Instance 126 with WriteParam: an explicit write that the board makes by itself.
+struct PolledParameter {
+  cip::ObjectPath path;
+  std::uint16_t raw = 0;
+  VINV_ARCHIVE(PolledParameter, path, raw);
+};
+
 class CipUnit final : public cip::Device, public cip::IoPoints {
  public:
   static constexpr std::size_t kMostIoBytes = 6;
@@ -84,12 +91,6 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   enum class Supply : std::uint8_t { kOff, kStarting, kOn };
   friend VINV_ENUM_RANGE(Supply, kOff, kOn);
 
-  // Instance 126 with WriteParam: an explicit write that the board makes by itself.
-  struct PolledParameter {
-    cip::ObjectPath path;
-    std::uint16_t raw = 0;
-    VINV_ARCHIVE(PolledParameter, path, raw);
-  };
   // The input data as somebody last asked for its version.
   struct InputVersion {
     Image image{};

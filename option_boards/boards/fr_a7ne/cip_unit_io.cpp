@@ -119,7 +119,7 @@ void CipUnit::act_on_output(Instant now, cip::RunMode mode) {
 void CipUnit::poll_reset(bool bit) {
   if (!state_.polled_reset.write(bit) || !drive_.status().alarm || !fault_reset_allowed()) return;
   port::WriteRequest request;
-  request.kind = Kind::kResetFault;
+  request.kind = Kind::kErrorReset;
   state_.link.put(PolledTopic::kFaultReset, request);
 }
 

@@ -59,7 +59,7 @@ std::optional<Finished> DriveLink::collect(Instant now, port::DrivePort& drive) 
     // The inverter restarted and lost it.
     outcome = port::WriteOutcome(Unexpected(port::Refusal::kNotReady));
   }
-  const Posted posted = *std::exchange(state_.posted, std::nullopt);
+  const PostedWrite posted = *std::exchange(state_.posted, std::nullopt);
   const bool storage_failed =
       outcome->has_value() && stores(posted.request) && drive.storage_failures() != posted.storage_failures_before;
   if (!posted.explicit_write) return polled(posted.topic, posted.request, *outcome, storage_failed);
@@ -87,7 +87,7 @@ port::WriteOutcome DriveLink::post(Instant now, port::DrivePort& drive, const po
   const std::uint32_t failures = drive.storage_failures();
   const port::WriteOutcome posted = drive.post_write(now, request);
   if (posted) {
-    state_.posted = Posted{!topic, topic.value_or(PolledTopic::kRun), request, failures};
+    state_.posted = PostedWrite{!topic, topic.value_or(PolledTopic::kRun), request, failures};
     state_.polled_was_last = topic.has_value();
   }
   return posted;

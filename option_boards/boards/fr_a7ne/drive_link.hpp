@@ -55,6 +55,15 @@ struct Finished {
   bool storage_failed = false;  // accepted, and it could not be stored
 };
 
+// What is in the mailbox.
+struct PostedWrite {
+  bool explicit_write = false;
+  PolledTopic topic = PolledTopic::kRun;
+  port::WriteRequest request;
+  std::uint32_t storage_failures_before = 0;
+  VINV_ARCHIVE(PostedWrite, explicit_write, topic, request, storage_failures_before);
+};
+
 class DriveLink {
  public:
   void set_timing(const Timing& timing) { state_.timing = timing; }
@@ -75,14 +84,6 @@ class DriveLink {
   std::optional<Instant> next_deadline() const;
 
  private:
-  // What is in the mailbox.
-  struct Posted {
-    bool explicit_write = false;
-    PolledTopic topic = PolledTopic::kRun;
-    port::WriteRequest request;
-    std::uint32_t storage_failures_before = 0;
-    VINV_ARCHIVE(Posted, explicit_write, topic, request, storage_failures_before);
-  };
   struct State {
     Timing timing;
     std::optional<ExplicitJob> job;
@@ -92,7 +93,7 @@ class DriveLink {
     Instant answer_at{};
     Instant free_at{};
     std::array<std::optional<port::WriteRequest>, kPolledTopics> polled{};
-    std::optional<Posted> posted;
+    std::optional<PostedWrite> posted;
     bool polled_was_last = false;
     VINV_ARCHIVE(State, timing, job, step, storage_failed, decided, answer_at, free_at, polled, posted,
                  polled_was_last);

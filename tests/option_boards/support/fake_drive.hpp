@@ -43,8 +43,8 @@ class FakeDrive final : public port::DrivePort {
   bool storage_fails = false;      // accepted parameter writes cannot be stored
   port::DriveFacts facts_now;
   bool jogs = false;
-  std::optional<port::RunPhase> phase;  // instead of what status and start signals say
-  std::uint32_t set_frequency = 0;      // of the network, 0.01 Hz
+  bool reset_needs_alarm = false;  // Pr.75, for resets that ask
+  std::uint16_t set_frequency = 0;  // of the network, 0.01 Hz
 
   // What tests look at.
   std::vector<port::WriteRequest> posted;
@@ -83,10 +83,9 @@ class FakeDrive final : public port::DrivePort {
 
   port::NetTerminals start_signals() const override { return signals_on; }
   std::uint32_t storage_failures() const override { return storage_failures_; }
-  port::RunPhase run_phase() const override { return phase ? *phase : DrivePort::run_phase(); }
-  bool jogging() const override { return jogs; }
+  bool jog_operation() const override { return jogs; }
   port::DriveFacts facts() const override { return facts_now; }
-  Result<std::uint32_t, port::Refusal> network_frequency() const override { return set_frequency; }
+  std::uint16_t network_frequency() const override { return set_frequency; }
 
   port::WriteOutcome post_write(Instant, const port::WriteRequest& request) override {
     if (refuse_post) return Unexpected(*refuse_post);
@@ -123,7 +122,7 @@ class FakeDrive final : public port::DrivePort {
       mode = kModes[request.value];
       return {};
     }
-    if (request.kind == Kind::kResetFault) {
+    if (request.kind == Kind::kErrorReset) {
       if (!status_now.alarm) return Unexpected(Refusal::kNotFaulted);
       status_now.alarm = false;
       return {};
@@ -133,11 +132,12 @@ class FakeDrive final : public port::DrivePort {
       case Kind::kFrequency:
       case Kind::kStoredFrequency:
         if (request.value > max_frequency) return Unexpected(Refusal::kOutOfRange);
-        set_frequency = request.value;
+        set_frequency = static_cast<std::uint16_t>(request.value);
         return {};
       case Kind::kParameter: return write_parameter(request);
       case Kind::kClearAlarmHistory: history = {}; return {};
       case Kind::kResetInverter:
+        if (request.value == 1 && reset_needs_alarm && !status_now.alarm) return Unexpected(Refusal::kNotFaulted);
         is_ready = false;
         dead_ticks_ = dead_ticks_after_reset;
         return {};

