@@ -72,7 +72,11 @@ struct Status {
       : general(code), extended_count(2), extended{word, second} {}
   constexpr bool ok() const { return general == GeneralStatus::kSuccess; }
   friend constexpr bool operator==(const Status&, const Status&) = default;
-  VINV_ARCHIVE(Status, general, extended_count, extended);
+  friend void archive(Archive& a, Status& status) {
+    VINV_MEMBERS(status, general, extended_count, extended);
+    VINV_FIELDS(a, Status, general, extended_count, extended);
+    a.require(extended_count <= kMaxExtended, "a status has more words than it can");
+  }
 };
 
 }  // namespace vinv::cip

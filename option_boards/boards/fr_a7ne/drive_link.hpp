@@ -113,7 +113,15 @@ class DriveLink {
 
   State state_;
 
-  friend void archive(Archive& a, DriveLink& link) { a.io(link.state_); }
+  friend void archive(Archive& a, DriveLink& link) {
+    a.io(link.state_);
+    const auto& job = link.state_.job;
+    a.require(!job || (job->count > 0 && job->count <= ExplicitJob::kMostSteps && link.state_.step < job->count + 1 &&
+                       (link.state_.decided || link.state_.step < job->count)),
+              "a write has more steps than it can");
+    a.require(!link.state_.posted || !link.state_.posted->explicit_write || (job && !link.state_.decided),
+              "a write is in the mailbox that nobody asked for");
+  }
 };
 
 }  // namespace vinv::boards::fr_a7ne
