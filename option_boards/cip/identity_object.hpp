@@ -1,10 +1,8 @@
-// Bindings of objects that every device has: Identity 0x01, Message Router 0x02, Assembly 0x04. For hosts that are a
-// cip::Device; which attributes a device has is its table.
+// Bindings of the Identity object, class 0x01. For hosts that are a cip::Device; which attributes a device has, and
+// what its service Reset does, is the board's.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 
 #include "option_boards/cip/device.hpp"
 #include "option_boards/cip/table_object.hpp"
@@ -36,15 +34,6 @@ GeneralStatus append_identity(const Host& host, const Attribute& attribute, Byte
     case 7: append_short_string(out, id.product_name); return GeneralStatus::kSuccess;
     default: return GeneralStatus::kAttributeNotSupported;
   }
-}
-
-// "object_list", Message Router attribute 1: a count and the classes.
-template <class Host>
-GeneralStatus append_object_list(const Host& host, const Attribute&, Bytes& out) {
-  const auto classes = host.router().classes();
-  append_le16(out, static_cast<std::uint16_t>(classes.size()));
-  for (const std::uint16_t id : classes) append_le16(out, id);
-  return GeneralStatus::kSuccess;
 }
 
 }  // namespace vinv::cip

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 #include "sim/base/archive.hpp"
 
@@ -54,9 +53,6 @@ enum class GeneralStatus : std::uint8_t {
   kAttributeNotGettable = 0x2C,
 };
 VINV_ENUM_RANGE(GeneralStatus, kSuccess, kAttributeNotGettable);
-
-// The specification's words; empty for a number that has none.
-std::string_view name_of(GeneralStatus status);
 
 struct Status {
   static constexpr std::size_t kMaxExtended = 3;

@@ -388,6 +388,8 @@ struct CipUnit::Bindings {
     if (request.data.size() > 1) return answer(GeneralStatus::kTooMuchData);
     const unsigned type = request.data.empty() ? 0 : request.data[0];
     if (type > 1) return answer(GeneralStatus::kInvalidParameter);
+    // 4.6: no reset from the network while a line error lasts.
+    if (unit.state_.owner_timed_out) return answer(GeneralStatus::kObjectStateConflict);
     ExplicitJob job;
     if (type == 1) {
       job.add(request_of(Kind::kRestoreDefaults, 1));

@@ -91,7 +91,7 @@ void CipUnit::on_connection(Instant, const cip::IoConnection& connection, cip::I
 }
 
 void CipUnit::consume(Instant now, std::uint32_t point, ByteView data, cip::RunMode mode) {
-  if (point != state_.assemblies.output || data.size() != size_of_assembly(point)) return;
+  if (!online() || point != state_.assemblies.output || data.size() != size_of_assembly(point)) return;
   std::copy(data.begin(), data.end(), state_.output.begin());
   const bool idle = mode == cip::RunMode::kIdle;
   if (state_.acted_before && state_.output == state_.acted && idle == state_.acted_idle) return;
@@ -173,7 +173,8 @@ void CipUnit::poll_parameter() {
 void CipUnit::write_polled_parameter(Instant now) {
   if (!state_.parameter_write || state_.link.explicit_busy(now)) return;
   const PolledParameter write = *std::exchange(state_.parameter_write, std::nullopt);
-  const cip::AttributeRow* const row = objects().find(write.path.class_id, write.path.instance, *write.path.attribute);
+  const cip::AttributeRow* const row =
+      objects().find(write.path.class_id, write.path.instance, write.path.attribute.value_or(0));
   const auto type = row != nullptr ? row->type.integer() : std::nullopt;
   if (!type || cip::size_of(*type) > sizeof write.raw) return;
   std::array<std::uint8_t, 2> data{static_cast<std::uint8_t>(write.raw), static_cast<std::uint8_t>(write.raw >> 8)};

@@ -35,6 +35,8 @@ TEST_F(FrA7neIo, SelectedPairIsServed) {
   EXPECT_TRUE(unit.is_heartbeat(Unit::kListenOnlyPoint, cip::IoRole::kListenOnly));
   EXPECT_FALSE(unit.is_heartbeat(Unit::kListenOnlyPoint, cip::IoRole::kInputOnly));
   power(false);
+  output(21, "61 00 DC 05");
+  EXPECT_TRUE(drive.posted.empty());
   EXPECT_FALSE(unit.consumed_size(129).has_value());
   EXPECT_FALSE(unit.produced_size(179).has_value());
 }

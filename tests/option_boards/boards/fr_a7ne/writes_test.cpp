@@ -182,6 +182,15 @@ TEST_F(FrA7neWrites, IdentityResetFollowsPr75) {
   EXPECT_EQ(count(Kind::kResetInverter), 1u);
 }
 
+TEST_F(FrA7neWrites, NoResetFromTheNetworkWhileALineErrorLasts) {
+  open_owner();
+  unit.on_connection(now, owner(), cip::IoEvent::kTimedOut);
+  EXPECT_EQ(request("05 02 20 01 24 01 00"), "0C");
+  EXPECT_EQ(request("10 03 20 2A 24 01 30 65 01 00"), "0C");
+  open_owner();
+  EXPECT_EQ(request("05 02 20 01 24 01 00"), "later");
+}
+
 TEST_F(FrA7neWrites, IdentityResetOneClearsParametersAndFlash) {
   EXPECT_EQ(set(0xF5, 1, 6, "02 00 61 62"), "00");
   EXPECT_EQ(get(0xF5, 1, 6), "00 02 00 61 62");
