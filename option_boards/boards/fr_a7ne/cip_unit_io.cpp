@@ -130,7 +130,7 @@ void CipUnit::poll_terminals(cip::RunMode mode) {
   const bool runs = mode == cip::RunMode::kRun;
   const std::uint8_t control = runs ? state_.output[0] : std::uint8_t{0};
   const bool gate = instance == kOutput20 || (control & kNetControl) != 0;
-  const bool had_control = std::exchange(state_.polled_control, gate && runs);
+  const bool had_control = std::exchange(state_.polled_control, gate);
   const bool has_signals = instance == kOutput129 && runs;
   if (!state_.polled_control && !had_control && !has_signals) return;
   port::WriteRequest request;

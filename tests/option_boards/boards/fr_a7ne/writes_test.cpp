@@ -139,6 +139,20 @@ TEST_F(FrA7neWrites, WriteThatARestartSwallowsIsADeviceStateConflict) {
   EXPECT_EQ(poll(), "10");
 }
 
+TEST_F(FrA7neWrites, PowerOffForgetsWhoWaits) {
+  drive.ticks_to_decide = 10;
+  EXPECT_EQ(request(kWritePr7), "later");
+  EXPECT_TRUE(unit.router().awaits(1));
+  power(false);
+  EXPECT_FALSE(unit.router().awaits(1));
+  drive.lose_mailbox();
+  drive.ticks_to_decide = 1;
+  power(true);
+  tick(10);
+  EXPECT_EQ(poll(), "");
+  EXPECT_EQ(request(kWritePr7), "later");
+}
+
 // 4.6: inverter reset in NET operation only; the answer still comes, then the option starts anew (Pr.540 bit 11 = 0).
 TEST_F(FrA7neWrites, InverterResetRestartsTheOption) {
   drive.mode = port::OperationMode::kPu;
