@@ -29,13 +29,15 @@ void CipUnit::restart() {
   const Instant now = state_.now;
   const bool link_down = state_.link_down;
   const bool was_started = state_.started;
+  DriveLink link = state_.link;
+  link.clear();
   state_ = {};
+  state_.link = link;
   state_.flash = flash;
   state_.now = now;
   state_.link_down = link_down;
   state_.started = was_started;
   state_.restarted = true;
-  state_.link.set_timing(config_.timing);
   state_.supply = Supply::kStarting;
   router_.forget_all();
   report_line_error();

@@ -26,6 +26,14 @@ void DriveLink::start(Instant now, const ExplicitJob& job) {
   state_.free_at = now + state_.timing.write;
 }
 
+void DriveLink::clear() {
+  State fresh;
+  fresh.timing = state_.timing;
+  fresh.posted = state_.posted;  // its outcome has to be collected, or the mailbox stays taken
+  if (fresh.posted) fresh.posted->explicit_write = false;
+  state_ = fresh;
+}
+
 void DriveLink::put(PolledTopic topic, const port::WriteRequest& request) {
   state_.polled[static_cast<std::size_t>(topic)] = request;
 }

@@ -72,12 +72,8 @@ class DriveLink {
   // Not while explicit_busy. The job has steps.
   void start(Instant now, const ExplicitJob& job);
   void put(PolledTopic topic, const port::WriteRequest& request);
-  // The supply went.
-  void clear() {
-    const Timing timing = state_.timing;
-    state_ = {};
-    state_.timing = timing;
-  }
+  // The option starts anew: nothing is to be written any more. Of what the mailbox has, nobody hears.
+  void clear();
   // Collects decisions, posts the next request. Call until empty.
   std::optional<Finished> advance(Instant now, port::DrivePort& drive);
   // When an answer is due that only waits for its time, or what follows a parameter clear.
