@@ -114,14 +114,15 @@ void EncapsulationServer::handle_tcp(Instant now, TcpId connection, ByteView byt
 void EncapsulationServer::handle_tcp_closed(Instant now, TcpId connection) {
   Connection* c = find(connection);
   if (c == nullptr) return;
-  *c = {};
+  c->id = c->session = 0;
   state_.out.drop_connection(connection);
   user_.on_tcp_closed(now, connection);
 }
 
 void EncapsulationServer::close(Instant now, Connection& connection) {
   const TcpId id = connection.id;
-  connection = {};
+  // No more: a message of this connection may be under way through our caller.
+  connection.id = connection.session = 0;
   state_.to_close.push_back(id);
   user_.on_tcp_closed(now, id);
 }
@@ -134,9 +135,10 @@ std::optional<TcpId> EncapsulationServer::poll_close() {
 }
 
 void EncapsulationServer::close_all() {
-  for (Connection& c : state_.connections)
+  for (Connection& c : state_.connections) {
     if (c.id != 0) state_.to_close.push_back(c.id);
-  state_.connections.clear();
+    c.id = c.session = 0;
+  }
   state_.delayed.clear();
   state_.deadline.reset();
 }
@@ -336,6 +338,12 @@ void EncapsulationServer::send_connected(const ReplyTo& to, std::uint32_t connec
   out.insert(out.end(), message.begin(), message.end());
   patch_length(out, start);
   state_.out.end(Channel::kTcp, to.connection, c->peer);
+}
+
+std::optional<Ipv4Endpoint> EncapsulationServer::peer(TcpId connection) const {
+  for (const Connection& c : state_.connections)
+    if (c.id == connection && connection != 0) return c.peer;
+  return std::nullopt;
 }
 
 std::size_t EncapsulationServer::connections() const {

@@ -93,6 +93,8 @@ class EncapsulationServer {
   // Ends all connections and sessions; on_tcp_closed is not called.
   void close_all();
 
+  // Empty: there is no such connection.
+  std::optional<Ipv4Endpoint> peer(TcpId connection) const;
   std::size_t connections() const;
   std::size_t sessions() const;
 
