@@ -25,6 +25,7 @@ ARROWS = {
     "option_boards/modbus": ["sim/base"],
     "option_boards/canopen": ["sim/base"],
     "option_boards/cip": ["sim/base"],
+    "option_boards/cip/profile": ["option_boards/cip", "motor_model/port"],
     "option_boards/devicenet": ["option_boards/cip"],
     "option_boards/ethernet_ip": ["option_boards/cip"],
     "option_boards/componet": ["option_boards/cip"],

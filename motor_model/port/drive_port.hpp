@@ -45,7 +45,8 @@ struct ParameterId {
 };
 
 // Virtual control terminals that a network master may drive. They stand for terminals, not functions: the function
-// of RL, RM, RH and MRS follows the family's terminal assignment (E500: Pr.180-183). kStop is the STOP command.
+// of RL, RM, RH and MRS follows the family's terminal assignment (E500: Pr.180-183). kStop is the STOP command, or the
+// terminal STOP where the family has one (A700: Pr.188). kOutputStop cuts the output off whatever the assignment says.
 enum class NetTerminal : std::uint16_t {
   kStop = 1u << 0,
   kStf = 1u << 1,
@@ -57,6 +58,9 @@ enum class NetTerminal : std::uint16_t {
   kRt = 1u << 7,
   kAu = 1u << 8,
   kJog = 1u << 9,
+  kCs = 1u << 10,
+  kRes = 1u << 11,
+  kOutputStop = 1u << 12,
 };
 
 struct NetTerminals {
@@ -84,21 +88,37 @@ struct Status {
                ready);
 };
 
+// What the motor is about to do, as profiles of drives ask.
+enum class RunPhase : std::uint8_t {
+  kStopped,
+  kRunning,    // accelerating, at speed, changing direction
+  kStopping,   // decelerating to a stop that was commanded
+  kFaultStop,  // decelerating because the communication was lost
+};
+
+// What scales of a family's values depend on.
+struct DriveFacts {
+  std::uint16_t voltage_class_v = 400;
+  bool coarse = false;  // a large model: currents in 0.1 A and powers in 0.1 kW instead of 0.01
+};
+
 // Newest first; 0 where fewer alarms are stored. Data codes of the family (E500: 10H E.OC1 ... A3H E.OP3).
 using AlarmHistory = std::array<std::uint8_t, 8>;
 
 struct WriteRequest {
   enum class Kind : std::uint8_t {
-    kOperationMode,   // value: 1 network, 0 external
+    kOperationMode,   // value: 1 network, 0 external, 2 panel (where the family lets a network ask for it)
     kCommand,         // terminals
-    kFrequency,       // value: 0.01 Hz
+    kFrequency,       // value: 0.01 Hz, until power-off
     kAnalogReference, // value: 0-255, the option's D/A converter
     kParameter,       // parameter, value: raw word (family scale; 65535 stands for 9999 as the family has it)
     kClearAlarmHistory,
     kResetInverter,
-    kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear
+    kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear; 2 and 3 the same without the communication's
+    kResetFault,      // ends an alarm without a restart
+    kStoredFrequency, // value: 0.01 Hz, kept over power-off
   };
-  friend VINV_ENUM_RANGE(Kind, kOperationMode, kRestoreDefaults);
+  friend VINV_ENUM_RANGE(Kind, kOperationMode, kStoredFrequency);
   Kind kind = Kind::kCommand;
   ParameterId parameter{};
   std::uint32_t value = 0;
@@ -125,6 +145,15 @@ class DrivePort {
   virtual std::uint8_t active_alarm() const = 0;
   // Start signals that are on, of any source (kStf, kStr): what keeps an operation mode from being left.
   virtual NetTerminals start_signals() const { return {}; }
+  virtual RunPhase run_phase() const {
+    if (!status().running) return RunPhase::kStopped;
+    return start_signals().bits != 0 ? RunPhase::kRunning : RunPhase::kStopping;
+  }
+  // Jog operation, from terminal or panel.
+  virtual bool jogging() const { return false; }
+  virtual DriveFacts facts() const { return {}; }
+  // What the network has set last (kFrequency, kStoredFrequency), 0.01 Hz.
+  virtual Result<std::uint32_t, Refusal> network_frequency() const { return Unexpected(Refusal::kNoSuchItem); }
   // How often a value could not be stored since power-on: a write that was accepted acts until power-off only.
   virtual std::uint32_t storage_failures() const { return 0; }
 
