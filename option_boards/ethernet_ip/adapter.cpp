@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "option_boards/cip/unconnected_send.hpp"
+
 namespace vinv::ethernet_ip {
 namespace {
 
@@ -91,40 +93,32 @@ ListedIdentity Adapter::listed_identity() const {
           static_cast<std::uint8_t>(device_.identity_state())};
 }
 
-void Adapter::refuse(std::uint8_t service, const cip::Status& status) {
-  reply_.refuse(status);
-  cip::append_reply(message_, service, reply_);
-}
-
-// Unconnected_Send to this device itself stands for the request in it. Vol 1, 3-5.5.4.
-void Adapter::unwrap(ByteView& message, bool& refused) {
+// Unconnected_Send to this device itself stands for the request in it. Vol 1, 3-5.5.4. False: message_ is its refusal.
+bool Adapter::unwrap(ByteView& message) {
   const auto outer = cip::parse_request(message);
-  constexpr auto kService = static_cast<std::uint8_t>(ConnectionService::kUnconnectedSend);
-  if (outer.service != kService || !outer.request || !is_connection_manager(*outer.request)) return;
-  refused = true;
-  const auto send = parse_unconnected_send(outer.request->data);
-  const auto refuse_with = [&](ConnectionStatus why, std::size_t path_left) {
-    reply_.refuse({cip::GeneralStatus::kConnectionFailure, static_cast<std::uint16_t>(why)});
-    reply_.data.push_back(static_cast<std::uint8_t>(path_left / 2));
-    cip::append_reply(message_, kService, reply_);
-  };
-  if (!send) return refuse_with(ConnectionStatus::kParameterErrorInUnconnectedSend, 0);
-  if (!send->route.empty()) return refuse_with(ConnectionStatus::kPortNotAvailable, send->route.size());
-  if (send->message.empty()) return refuse_with(ConnectionStatus::kParameterErrorInUnconnectedSend, 0);
-  refused = false;
-  message = send->message;
+  if (outer.service != cip::kUnconnectedSend || !outer.request || !is_connection_manager(*outer.request)) return true;
+  const auto send = cip::parse_unconnected_send(outer.request->data);
+  if (!send || send->message.empty()) {
+    reply_.refuse({cip::GeneralStatus::kConnectionFailure,
+                   static_cast<std::uint16_t>(ConnectionStatus::kParameterErrorInUnconnectedSend)});
+    reply_.data.resize(2);  // no path is left
+  } else if (cip::route_ends_here(*send, reply_)) {
+    message = send->message;
+    return true;
+  }
+  cip::append_reply(message_, cip::kUnconnectedSend, reply_);
+  return false;
 }
 
 std::optional<cip::Ticket> Adapter::dispatch(Instant now, ByteView message, std::size_t reply_limit,
                                              ConnectionManager::Exchange& exchange) {
   message_.clear();
   reply_.clear();
-  bool refused = false;
-  unwrap(message, refused);
-  if (refused) return std::nullopt;
+  if (!unwrap(message)) return std::nullopt;
   auto parsed = cip::parse_request(message);
   if (!parsed.request) {
-    refuse(parsed.service, parsed.request.error());
+    reply_.refuse(parsed.request.error());
+    cip::append_reply(message_, parsed.service, reply_);
     return std::nullopt;
   }
   parsed.request->origin = exchange.tcp;

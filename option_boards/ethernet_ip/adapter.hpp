@@ -79,8 +79,7 @@ class Adapter : private EncapsulationUser {
   // The answer is in message_, or comes later under the ticket.
   std::optional<cip::Ticket> dispatch(Instant now, ByteView message, std::size_t reply_limit,
                                       ConnectionManager::Exchange& exchange);
-  void refuse(std::uint8_t service, const cip::Status& status);
-  void unwrap(ByteView& message, bool& refused);
+  bool unwrap(ByteView& message);
   void drain_replies();
   void finish(const Waiting& waiting);
   void forget_explicit(std::size_t slot);

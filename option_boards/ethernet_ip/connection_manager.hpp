@@ -26,7 +26,6 @@ inline constexpr std::uint16_t kMessageRouterClass = 0x02;
 
 enum class ConnectionService : std::uint8_t {
   kForwardClose = 0x4e,
-  kUnconnectedSend = 0x52,
   kForwardOpen = 0x54,
   kGetConnectionData = 0x56,
   kSearchConnectionData = 0x57,

@@ -7,6 +7,7 @@
 namespace vinv::ethernet_ip {
 namespace {
 
+constexpr std::uint16_t kAssemblyClass = 0x04;
 constexpr std::size_t kSequenceCount = 2;
 constexpr std::size_t kRunIdleHeader = 4;
 constexpr std::size_t kLeastExplicit = 8;  // sequence count, and a reply without data but with an extended status
@@ -119,8 +120,17 @@ void ConnectionManager::null_forward_open(Instant now, const ForwardOpen& open, 
                                           cip::Reply& reply) {
   const Connection* same = find(open.triad);
   Connection wanted;
-  if (path.point_count != 0) {
-    if (path.class_id != 0x04) return refuse_open(open, refusal(ConnectionStatus::kInvalidApplicationPath), reply);
+  const bool has_configuration_point = path.point_count == 1 || path.point_count == 3;
+  if (path.point_count != 0 && path.class_id != kAssemblyClass)
+    return refuse_open(open, refusal(ConnectionStatus::kInvalidApplicationPath), reply);
+  if (path.point_count >= 2) {
+    const cip::IoPoints& io = device_.io();
+    if (!io.consumed_size(path.points[path.point_count - 2]))
+      return refuse_open(open, refusal(ConnectionStatus::kInvalidConsumingPath), reply);
+    if (!io.produced_size(path.points[path.point_count - 1]))
+      return refuse_open(open, refusal(ConnectionStatus::kInvalidProducingPath), reply);
+  }
+  if (has_configuration_point) {
     wanted.triad = open.triad;
     wanted.configuration_point = path.points[0];
     if (const auto refused = check_configuration(path, wanted)) return refuse_open(open, *refused, reply);
@@ -155,7 +165,7 @@ ConnectionManager::Refusal ConnectionManager::open_explicit(Instant /*now*/, con
 ConnectionManager::Refusal ConnectionManager::check_points(const ForwardOpen& /*open*/, const ConnectionPath& path,
                                                            Connection& c) const {
   const cip::IoPoints& io = device_.io();
-  if (path.class_id != 0x04) return refusal(ConnectionStatus::kInvalidApplicationPath);
+  if (path.class_id != kAssemblyClass) return refusal(ConnectionStatus::kInvalidApplicationPath);
   if (path.point_count < 2) return refusal(ConnectionStatus::kInvalidSegment);
   const bool configured = path.point_count == 3;
   c.configuration_point = configured ? path.points[0] : 0;

@@ -128,15 +128,6 @@ Result<ForwardClose, cip::GeneralStatus> parse_forward_close(ByteView data) {
   return ForwardClose{triad_at(data, 2), data.subspan(kForwardCloseSize)};
 }
 
-std::optional<UnconnectedSend> parse_unconnected_send(ByteView data) {
-  if (data.size() < 4) return std::nullopt;
-  const std::size_t size = read_le16(data, 2);
-  const std::size_t route_at = 4 + size + size % 2;
-  if (data.size() < route_at + 2) return std::nullopt;
-  if (data.size() != route_at + 2 + 2 * std::size_t{data[route_at]}) return std::nullopt;
-  return UnconnectedSend{data.subspan(4, size), data.subspan(route_at + 2)};
-}
-
 Result<ConnectionPath, ConnectionStatus> parse_connection_path(ByteView bytes) {
   cip::EpathReader reader(bytes, cip::PathForm::kPadded);
   PathBuilder builder;

@@ -1,5 +1,5 @@
 // Requests of the Connection Manager as they travel. CIP Vol 1, 3-5.5.2 (Forward_Open), 3-5.5.3 (Forward_Close),
-// 3-5.5.4 (Unconnected_Send), 3-5.6 (connection path).
+// 3-5.6 (connection path).
 #pragma once
 
 #include <array>
@@ -71,13 +71,6 @@ struct ForwardClose {
   ByteView path;
 };
 Result<ForwardClose, cip::GeneralStatus> parse_forward_close(ByteView data);
-
-struct UnconnectedSend {
-  ByteView message;  // of the embedded request
-  ByteView route;
-};
-// Empty: the sizes do not fit the data.
-std::optional<UnconnectedSend> parse_unconnected_send(ByteView data);
 
 // What a connection path says. Views into the path.
 struct ConnectionPath {
