@@ -1,0 +1,172 @@
+// What the FR-A7NE is to CIP: its objects, its I/O and its identity, over one inverter. FR-A7NE manual, 4 to 7 and the
+// appendix. The objects are objects.csv and services.csv.
+//
+// Explicit writes: one at a time ("Object State Conflict" for a second one), answered when the inverter has decided.
+// Polled output data acts when it changes (6.2.1): the last command counts, whichever way it came.
+// Settings act from power-on or reset: assemblies (Pr.346), address and line (Pr.540, 434-445, flash), CtrlFromNet.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "motor_model/port/drive_port.hpp"
+#include "option_boards/boards/fr_a7ne/drive_link.hpp"
+#include "option_boards/boards/fr_a7ne/network_settings.hpp"
+#include "option_boards/cip/device.hpp"
+#include "option_boards/cip/profile/control_supervisor.hpp"
+#include "option_boards/cip/profile/speed_scale.hpp"
+#include "option_boards/cip/table_object.hpp"
+#include "sim/base/archive.hpp"
+
+namespace vinv::boards::fr_a7ne {
+
+struct CipUnitConfig {
+  std::uint32_t serial_number = 1;
+  std::array<std::uint8_t, 6> mac{};
+  IpConfiguration lease;     // what a DHCP server would give
+  LineSetting line_partner;  // the other end of the cable
+  Timing timing = Timing::real();
+};
+
+class CipUnit final : public cip::Device, public cip::IoPoints {
+ public:
+  static constexpr std::size_t kMostIoBytes = 6;
+  // Unspecified: points that keep an input only or listen only connection open, and take no data.
+  static constexpr std::uint32_t kInputOnlyPoint = 238;
+  static constexpr std::uint32_t kListenOnlyPoint = 237;
+
+  // The drive outlives the unit. Without supply until handle_power.
+  CipUnit(port::DrivePort& drive, const CipUnitConfig& config);
+
+  void handle_power(Instant now, bool on);
+  void handle_drive_tick(Instant now);
+  void handle_timeout(Instant now);
+  std::optional<Instant> next_deadline() const { return state_.link.next_deadline(); }
+  // True once after the option has restarted (supply, or an inverter reset without Pr.540 bit 11): its connections and
+  // sessions are gone.
+  bool take_restart();
+  // Supplied and started; the network sees nothing of it before.
+  bool online() const { return state_.supply == Supply::kOn; }
+  const NetworkSettings& network() const { return state_.network; }
+  LineState line() const { return line_state(state_.network.line, config_.line_partner); }
+  // Line errors other than a time-out of the owner: no link (4.5.1).
+  void set_link(Instant now, bool up);
+
+  // cip::Device
+  cip::MessageRouter& router() override { return router_; }
+  const cip::MessageRouter& router() const { return router_; }
+  cip::IoPoints& io() override { return *this; }
+  const cip::Identity& identity() const override { return identity_; }
+  std::uint16_t identity_status() const override;
+  cip::IdentityState identity_state() const override;
+
+  // cip::IoPoints
+  std::optional<std::size_t> consumed_size(std::uint32_t point) const override;
+  std::optional<std::size_t> produced_size(std::uint32_t point) const override;
+  std::optional<std::size_t> configuration_size(std::uint32_t point) const override;
+  bool is_heartbeat(std::uint32_t point, cip::IoRole role) const override;
+  bool goes_with(std::uint32_t consumed_point, std::uint32_t produced_point) const override;
+  cip::Status configure(Instant now, std::uint32_t point, ByteView data) override;
+  void consume(Instant now, std::uint32_t point, ByteView data, cip::RunMode mode) override;
+  void produce(Instant now, std::uint32_t point, std::span<std::uint8_t> out) override;
+  std::uint32_t produced_version(std::uint32_t point) const override;
+  void on_connection(Instant now, const cip::IoConnection& connection, cip::IoEvent event) override;
+
+  // The objects, for reports and tests.
+  static const cip::AttributeTable& objects();
+
+ private:
+  struct Bindings;  // what the rows of the tables are bound to
+  using Image = std::array<std::uint8_t, kMostIoBytes>;
+  enum class Supply : std::uint8_t { kOff, kStarting, kOn };
+  friend VINV_ENUM_RANGE(Supply, kOff, kOn);
+
+  // Instance 126 with WriteParam: an explicit write that the board makes by itself.
+  struct PolledParameter {
+    cip::ObjectPath path;
+    std::uint16_t raw = 0;
+    VINV_ARCHIVE(PolledParameter, path, raw);
+  };
+  struct State {
+    Supply supply = Supply::kOff;
+    bool started = false;  // the inverter has been ready since power-on
+    bool was_ready = false;
+    bool restart_due = false;
+    bool restarted = false;
+    StartupParameters startup;
+    NetworkSettings network;
+    AssemblyPair assemblies;
+    bool control_from_net_at_start = false;
+    Flash flash;
+    DriveLink link;
+    port::NetTerminals terminals;  // what the network has on
+    cip::FaultResetEdge explicit_reset, polled_reset;
+    // Polled data: as it came, as it last acted.
+    Image output{}, acted{};
+    bool acted_before = false, acted_idle = false;
+    bool polled_control = false;                     // NetCtrl was on: the run bits are the master's
+    std::optional<PolledParameter> parameter_write;  // waits for the explicit write in work
+    std::uint32_t owners = 0, connections = 0;
+    bool owner_timed_out = false, link_down = false;
+    Image input{};
+    std::uint32_t input_version = 0;
+    Instant now{};  // of the last tick
+    VINV_ARCHIVE(State, supply, started, was_ready, restart_due, restarted, startup, network, assemblies,
+                 control_from_net_at_start, flash, link, terminals, explicit_reset, polled_reset, output, acted,
+                 acted_before, acted_idle, polled_control, parameter_write, owners, connections, owner_timed_out,
+                 link_down, input, input_version, now);
+  };
+
+  void start();
+  void restart();
+  bool read_startup_parameters();
+  void advance(Instant now);
+  void on_finished(const Finished& finished);
+  void report_line_error();
+
+  // Reads of the inverter.
+  std::uint32_t parameter_or(std::uint16_t number, std::uint32_t fallback) const;
+  bool network_mode() const { return drive_.operation_mode() == port::OperationMode::kNetwork; }
+  bool control_from_net() const;
+  bool reference_from_net() const;
+  cip::SpeedScale speed_scale() const;
+  std::uint16_t speed_actual() const;
+  bool fault_reset_allowed() const;
+
+  // Explicit writes; kObjectStateConflict while one is in work.
+  cip::SetResult post(Instant now, ExplicitJob job, cip::Ticket ticket);
+  cip::SetResult post(Instant now, const port::WriteRequest& request, cip::Ticket ticket);
+
+  // Polled data (cip_unit_io.cpp).
+  void act_on_output(Instant now, cip::RunMode mode);
+  void poll_terminals(cip::RunMode mode);
+  void poll_reset(bool bit);
+  void poll_speed();
+  void poll_parameter();
+  void poll_outputs();
+  void write_polled_parameter(Instant now);
+  cip::ObjectPath parameter_path() const;
+  void fill_input(Instant now, std::uint32_t instance, std::span<std::uint8_t> out) const;
+  std::uint8_t status_byte(std::uint32_t instance) const;
+  std::uint16_t parameter_read_data() const;
+  std::uint16_t selected_monitor() const;
+  void append_assembly(std::uint32_t instance, Bytes& out) const;
+
+  port::DrivePort& drive_;
+  CipUnitConfig config_;
+  cip::Identity identity_;
+  cip::MessageRouter router_;
+  cip::BoundObject<CipUnit> objects_;
+  State state_;
+  mutable Bytes scratch_;  // keeps its memory
+
+  friend void archive(Archive& a, CipUnit& unit) {
+    a.io(unit.state_);
+    a.io(unit.router_);
+  }
+};
+
+}  // namespace vinv::boards::fr_a7ne
