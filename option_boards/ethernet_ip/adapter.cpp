@@ -8,7 +8,7 @@
 namespace vinv::ethernet_ip {
 namespace {
 
-constexpr std::size_t kReplyHeader = 4;      // service, reserved, general status, size of the extended status
+constexpr std::size_t kReplyHeader = 4;       // service, reserved, general status, size of the extended status
 constexpr std::size_t kUnconnectedRoom = 40;  // of an encapsulated message for everything but the service data
 constexpr std::size_t kSequenceCount = 2;
 

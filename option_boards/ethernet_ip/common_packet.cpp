@@ -28,7 +28,8 @@ std::optional<PacketError> take_address(CommonPacket& packet, const Item& item) 
 }
 
 std::optional<PacketError> take_sockaddr(CommonPacket& packet, const Item& item) {
-  auto& place = item.type == static_cast<std::uint16_t>(ItemType::kSockaddrO2t) ? packet.o2t_sockaddr : packet.t2o_sockaddr;
+  auto& place =
+      item.type == static_cast<std::uint16_t>(ItemType::kSockaddrO2t) ? packet.o2t_sockaddr : packet.t2o_sockaddr;
   if (place || item.data.size() != kSockaddrLength || read_be16(item.data, 0) != kAfInet)
     return PacketError::kBadSockaddr;
   place = Ipv4Endpoint{read_be32(item.data, 4), read_be16(item.data, 2)};

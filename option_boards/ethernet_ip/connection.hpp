@@ -1,4 +1,5 @@
-// What the Connection Manager keeps of a connection, and of a stream of packets that it sends. CIP Vol 1, 3-4; Vol 2, 3-4.
+// What the Connection Manager keeps of a connection, and of a stream of packets that it sends. CIP Vol 1, 3-4; Vol 2,
+// 3-4.
 #pragma once
 
 #include <array>
@@ -37,7 +38,8 @@ struct ConnectionOptions {
   bool o2t_header = true, o2t_modeless = true;
   bool t2o_header = true, t2o_modeless = true;
   std::uint16_t largest_explicit = 4002;
-  // Differentiated services code points of I/O packets by Priority (Vol 2, 5-6.4.2); all 0 for a device without QoS object.
+  // Differentiated services code points of I/O packets by Priority (Vol 2, 5-6.4.2); all 0 for a device without QoS
+  // object.
   std::array<std::uint8_t, 4> dscp = {31, 43, 47, 55};
 };
 
@@ -62,7 +64,7 @@ struct Connection {
 
   // classes 0 and 1: from the originator
   std::size_t consumed_size = 0;
-  bool synchronized = false;       // a packet has come
+  bool synchronized = false;        // a packet has come
   std::uint32_t last_sequence = 0;  // of the sequenced address
   std::uint16_t last_count = 0;     // class 1, in front of the data
   cip::RunMode mode = cip::RunMode::kIdle;

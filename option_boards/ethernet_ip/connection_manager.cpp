@@ -54,10 +54,9 @@ cip::Handled ConnectionManager::handle(Instant now, const cip::Request& request,
 }
 
 std::size_t ConnectionManager::count(bool explicit_ones) const {
-  return static_cast<std::size_t>(
-      std::count_if(state_.connections.begin(), state_.connections.end(), [&](const Connection& c) {
-        return c.open && (c.transport == TransportClass::kClass3) == explicit_ones;
-      }));
+  return static_cast<std::size_t>(std::count_if(
+      state_.connections.begin(), state_.connections.end(),
+      [&](const Connection& c) { return c.open && (c.transport == TransportClass::kClass3) == explicit_ones; }));
 }
 
 Connection* ConnectionManager::find(const ConnectionTriad& triad) {
@@ -144,7 +143,8 @@ void ConnectionManager::connection_data(const Connection* c, cip::Reply& reply) 
 
 void ConnectionManager::get_connection_data(const cip::Request& request, cip::Reply& reply) {
   if (request.data.size() != 2)
-    return reply.refuse(request.data.size() < 2 ? cip::GeneralStatus::kNotEnoughData : cip::GeneralStatus::kTooMuchData);
+    return reply.refuse(request.data.size() < 2 ? cip::GeneralStatus::kNotEnoughData
+                                                : cip::GeneralStatus::kTooMuchData);
   const std::size_t number = read_le16(request.data, 0);
   const bool exists = number != 0 && number <= state_.connections.size() && state_.connections[number - 1].open;
   connection_data(exists ? &state_.connections[number - 1] : nullptr, reply);
@@ -152,9 +152,9 @@ void ConnectionManager::get_connection_data(const cip::Request& request, cip::Re
 
 void ConnectionManager::search_connection_data(const cip::Request& request, cip::Reply& reply) {
   if (request.data.size() != 8)
-    return reply.refuse(request.data.size() < 8 ? cip::GeneralStatus::kNotEnoughData : cip::GeneralStatus::kTooMuchData);
-  connection_data(
-      find({read_le16(request.data, 0), read_le16(request.data, 2), read_le32(request.data, 4)}), reply);
+    return reply.refuse(request.data.size() < 8 ? cip::GeneralStatus::kNotEnoughData
+                                                : cip::GeneralStatus::kTooMuchData);
+  connection_data(find({read_le16(request.data, 0), read_le16(request.data, 2), read_le32(request.data, 4)}), reply);
 }
 
 // Vol 1, 3-5.5.6: reserved byte, path size in words, path of the point that is owned.
@@ -175,12 +175,12 @@ void ConnectionManager::get_connection_owner(const cip::Request& request, cip::R
     if (c.role == cip::IoRole::kExclusiveOwner) owner = &c;
   }
   if (connections == 0) {
-    return reply.refuse({cip::GeneralStatus::kConnectionFailure,
-                         static_cast<std::uint16_t>(ConnectionStatus::kConnectionNotFound)});
+    return reply.refuse(
+        {cip::GeneralStatus::kConnectionFailure, static_cast<std::uint16_t>(ConnectionStatus::kConnectionNotFound)});
   }
-  const auto action = owner == nullptr                      ? LastAction::kNoOwner
+  const auto action = owner == nullptr                     ? LastAction::kNoOwner
                       : owner->mode == cip::RunMode::kIdle ? LastAction::kOwnerIsIdle
-                                                            : LastAction::kOwnerRuns;
+                                                           : LastAction::kOwnerRuns;
   const std::uint8_t owners = owner != nullptr ? 1 : 0;
   reply.data.insert(reply.data.end(), {connections, owners, owners, static_cast<std::uint8_t>(action)});
   append_triad(reply.data, owner != nullptr ? owner->triad : ConnectionTriad{});

@@ -332,8 +332,8 @@ std::size_t ConnectionManager::find_multicast(std::uint32_t point) const {
 }
 
 std::size_t ConnectionManager::new_producer() {
-  const auto free = std::find_if(state_.producers.begin(), state_.producers.end(),
-                                 [](const Producer& p) { return p.users == 0; });
+  const auto free =
+      std::find_if(state_.producers.begin(), state_.producers.end(), [](const Producer& p) { return p.users == 0; });
   if (free != state_.producers.end()) return static_cast<std::size_t>(free - state_.producers.begin());
   state_.producers.emplace_back();
   return state_.producers.size() - 1;

@@ -5,8 +5,8 @@
 namespace vinv::ethernet_ip {
 namespace {
 
-constexpr std::size_t kRegisterSessionData = 4;   // version, options
-constexpr std::size_t kSendDataPrefix = 4 + 2;    // interface handle, time-out
+constexpr std::size_t kRegisterSessionData = 4;  // version, options
+constexpr std::size_t kSendDataPrefix = 4 + 2;   // interface handle, time-out
 constexpr std::uint32_t kCipInterface = 0;
 constexpr std::uint16_t kTcpCapability = 0x0020;  // CIP encapsulated over TCP
 constexpr std::uint16_t kUdpCapability = 0x0100;  // transport class 0 and 1 over UDP
@@ -255,7 +255,8 @@ void EncapsulationServer::handle_udp(Instant now, const Ipv4Endpoint& from, Byte
     // 2-4.2.2: so that not all devices answer at once. The longest delay is in the sender context, in ms.
     const Duration asked = std::chrono::milliseconds(read_le16(header->context, 0));
     const Duration longest = asked == Duration{} ? kDefaultMaxDelay : std::max(asked, kLeastMaxDelay);
-    const auto delay = Duration(static_cast<std::int64_t>(state_.random.below(static_cast<std::uint64_t>(longest.count()))));
+    const auto delay =
+        Duration(static_cast<std::int64_t>(state_.random.below(static_cast<std::uint64_t>(longest.count()))));
     state_.delayed.push_back({now + delay, from, header->command, header->context});
     return wake_by(now + delay);
   }
@@ -347,8 +348,8 @@ std::optional<Ipv4Endpoint> EncapsulationServer::peer(TcpId connection) const {
 }
 
 std::size_t EncapsulationServer::connections() const {
-  return static_cast<std::size_t>(
-      std::count_if(state_.connections.begin(), state_.connections.end(), [](const Connection& c) { return c.id != 0; }));
+  return static_cast<std::size_t>(std::count_if(state_.connections.begin(), state_.connections.end(),
+                                                [](const Connection& c) { return c.id != 0; }));
 }
 
 std::size_t EncapsulationServer::sessions() const {

@@ -46,7 +46,8 @@ class EncapsulationUser {
   virtual ListedIdentity listed_identity() const = 0;
   // SendRRData and SendUnitData of a registered session: the packet has a null or a connected address. Answers by
   // send_unconnected and send_connected, now or later.
-  virtual void on_unconnected(Instant now, const ReplyTo& from, const Ipv4Endpoint& peer, const CommonPacket& packet) = 0;
+  virtual void on_unconnected(Instant now, const ReplyTo& from, const Ipv4Endpoint& peer,
+                              const CommonPacket& packet) = 0;
   virtual void on_connected(Instant now, const ReplyTo& from, const CommonPacket& packet) = 0;
   // The connection and its session are gone.
   virtual void on_tcp_closed(Instant now, TcpId connection) = 0;

@@ -5,8 +5,8 @@
 namespace vinv::ethernet_ip {
 namespace {
 
-// Priority and ticks, connection identifiers, triad, multiplier, reserved, then intervals with parameters of 2 or 4 bytes,
-// transport, path size.
+// Priority and ticks, connection identifiers, triad, multiplier, reserved, then intervals with parameters of 2 or 4
+// bytes, transport, path size.
 constexpr std::size_t kForwardOpenSize = 36;
 constexpr std::size_t kLargeForwardOpenSize = 40;
 constexpr std::size_t kForwardCloseSize = 12;

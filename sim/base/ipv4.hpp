@@ -19,9 +19,7 @@ struct Ipv4Endpoint {
   VINV_ARCHIVE(Ipv4Endpoint, address, port);
 };
 
-constexpr std::uint32_t ipv4(unsigned a, unsigned b, unsigned c, unsigned d) {
-  return a << 24 | b << 16 | c << 8 | d;
-}
+constexpr std::uint32_t ipv4(unsigned a, unsigned b, unsigned c, unsigned d) { return a << 24 | b << 16 | c << 8 | d; }
 // 224.0.0.0/4.
 constexpr bool is_multicast(std::uint32_t address) { return address >> 28 == 0xe; }
 

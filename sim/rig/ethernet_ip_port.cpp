@@ -76,8 +76,8 @@ void EthernetIpPort::poll(Instant now) {
 }
 
 EthernetIpPort::Connection* EthernetIpPort::find(ethernet_ip::TcpId id) {
-  const auto found = std::find_if(connections_.begin(), connections_.end(),
-                                  [&](const auto& c) { return c->id == id && !c->closed; });
+  const auto found =
+      std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == id && !c->closed; });
   return found == connections_.end() ? nullptr : found->get();
 }
 

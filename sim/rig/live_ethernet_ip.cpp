@@ -38,12 +38,11 @@ Result<EthernetIpPort*, std::string> LiveEthernetIp::add(ethernet_ip::Adapter& a
   Host host;
   host.port = std::make_unique<EthernetIpPort>(loop_.scheduler(), adapter, std::move(*udp), std::move(*io));
   EthernetIpPort& port = *host.port;
-  auto listener = transports::TcpListener::open(
-      loop_, {ipv4_text(where.address), where.port, kMaxConnections},
-      [&port](Instant now, std::unique_ptr<transports::ByteStream> stream) {
-        const Ipv4Endpoint peer = endpoint_of(stream->name());
-        port.accept(now, std::move(stream), peer);
-      });
+  auto listener = transports::TcpListener::open(loop_, {ipv4_text(where.address), where.port, kMaxConnections},
+                                                [&port](Instant now, std::unique_ptr<transports::ByteStream> stream) {
+                                                  const Ipv4Endpoint peer = endpoint_of(stream->name());
+                                                  port.accept(now, std::move(stream), peer);
+                                                });
   if (!listener) return Unexpected(listener.error());
   host.listener = std::move(*listener);
   adapter.start({where.address, where.netmask, io_port});

@@ -24,8 +24,8 @@ Result<NetworkInterface, std::string> find_interface(std::uint32_t address);
 
 class BroadcastListener {
  public:
-  // Hears the interface's own broadcast address and, except on the loopback, 255.255.255.255 as far as it comes in there.
-  // Other programs may do the same. The loop outlives the listener.
+  // Hears the interface's own broadcast address and, except on the loopback, 255.255.255.255 as far as it comes in
+  // there. Other programs may do the same. The loop outlives the listener.
   static Result<std::unique_ptr<BroadcastListener>, std::string> open(EventLoop& loop, const NetworkInterface& where,
                                                                       std::uint16_t port,
                                                                       UdpPort::OnDatagram on_datagram);

@@ -84,7 +84,8 @@ void MemoryNetwork::send(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoi
 void MemoryNetwork::schedule_next() {
   event_ = 0;
   if (state_.under_way.empty()) return;
-  event_ = scheduler_.schedule(state_.under_way.front().at, kernel::Priority::kWire, [this](Instant now) { deliver(now); });
+  event_ =
+      scheduler_.schedule(state_.under_way.front().at, kernel::Priority::kWire, [this](Instant now) { deliver(now); });
 }
 
 bool MemoryNetwork::hears(const Port& port, const Ipv4Endpoint& from, const Ipv4Endpoint& to) const {

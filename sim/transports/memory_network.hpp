@@ -1,6 +1,6 @@
-// A UDP network in memory, over the scheduler: hosts by their addresses, unicast, multicast and broadcast, after a fixed
-// delay and in the order of sending, at Priority::kWire. For virtual time; it works under every clock, and its state can
-// be saved.
+// A UDP network in memory, over the scheduler: hosts by their addresses, unicast, multicast and broadcast, after a
+// fixed delay and in the order of sending, at Priority::kWire. For virtual time; it works under every clock, and its
+// state can be saved.
 #pragma once
 
 #include <cstdint>

@@ -33,7 +33,9 @@ Ipv4Endpoint to_endpoint(const sockaddr_in& address) {
   return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
 
-bool set_option(int fd, int level, int name, int value) { return ::setsockopt(fd, level, name, &value, sizeof value) == 0; }
+bool set_option(int fd, int level, int name, int value) {
+  return ::setsockopt(fd, level, name, &value, sizeof value) == 0;
+}
 
 std::string text(const Ipv4Endpoint& e) { return ipv4_text(e.address) + ":" + std::to_string(e.port); }
 

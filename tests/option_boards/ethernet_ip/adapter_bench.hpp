@@ -32,8 +32,13 @@ inline Bytes le32(std::uint32_t value) { return join({le16(value & 0xffff), le16
 
 // Header and data, with a sender context of 01 to 08.
 inline Bytes encapsulated(unsigned command, std::uint32_t session, const Bytes& data) {
-  return join({le16(command), le16(static_cast<unsigned>(data.size())), le32(session), le32(0),
-               {1, 2, 3, 4, 5, 6, 7, 8}, le32(0), data});
+  return join({le16(command),
+               le16(static_cast<unsigned>(data.size())),
+               le32(session),
+               le32(0),
+               {1, 2, 3, 4, 5, 6, 7, 8},
+               le32(0),
+               data});
 }
 inline Bytes item(unsigned type, const Bytes& data) {
   return join({le16(type), le16(static_cast<unsigned>(data.size())), data});
@@ -107,8 +112,9 @@ class AdapterBench {
 class Master {
  public:
   explicit Master(AdapterBench& b, std::uint32_t address = ipv4(127, 0, 0, 1)) : bench(b), peer{address, 50'000} {
-    tcp = bench.adapter.handle_tcp_open(bench.now, peer).value_or(0);
+    connect();
   }
+  void connect() { tcp = bench.adapter.handle_tcp_open(bench.now, peer).value_or(0); }
   // Registered on the way.
   static Master registered(AdapterBench& b, std::uint32_t address = ipv4(127, 0, 0, 1)) {
     Master m(b, address);
@@ -139,14 +145,21 @@ class Master {
 
   Bytes open(const OpenWish& w) {
     const Bytes path = from_hex(w.path);
-    const auto parameters = [&](unsigned p) {
-      return w.large ? join({le16(p & 0x1ff), le16(p & ~0x1ffu)}) : le16(p);
-    };
+    const auto parameters = [&](unsigned p) { return w.large ? join({le16(p & 0x1ff), le16(p & ~0x1ffu)}) : le16(p); };
     return request(join({{static_cast<std::uint8_t>(w.large ? 0x5b : 0x54), 2, 0x20, 6, 0x24, 1, 0x0a, 0x0e},
-                         le32(0), le32(w.t2o_id), le16(w.serial), le16(w.vendor), le32(w.originator_serial),
-                         {static_cast<std::uint8_t>(w.multiplier), 0, 0, 0}, le32(w.o2t_rpi_us), parameters(w.o2t),
-                         le32(w.t2o_rpi_us), parameters(w.t2o), {static_cast<std::uint8_t>(w.transport)},
-                         {static_cast<std::uint8_t>(path.size() / 2)}, path}),
+                         le32(0),
+                         le32(w.t2o_id),
+                         le16(w.serial),
+                         le16(w.vendor),
+                         le32(w.originator_serial),
+                         {static_cast<std::uint8_t>(w.multiplier), 0, 0, 0},
+                         le32(w.o2t_rpi_us),
+                         parameters(w.o2t),
+                         le32(w.t2o_rpi_us),
+                         parameters(w.t2o),
+                         {static_cast<std::uint8_t>(w.transport)},
+                         {static_cast<std::uint8_t>(path.size() / 2)},
+                         path}),
                    w.extra_items, w.item_count);
   }
   // The O->T identifier; 0 if refused.
@@ -169,8 +182,12 @@ class Master {
   }
   Bytes close(const OpenWish& w) {
     const Bytes path = from_hex(w.path);
-    return request(join({{0x4e, 2, 0x20, 6, 0x24, 1, 0x0a, 0x0e}, le16(w.serial), le16(w.vendor),
-                         le32(w.originator_serial), {static_cast<std::uint8_t>(path.size() / 2), 0}, path}));
+    return request(join({{0x4e, 2, 0x20, 6, 0x24, 1, 0x0a, 0x0e},
+                         le16(w.serial),
+                         le16(w.vendor),
+                         le32(w.originator_serial),
+                         {static_cast<std::uint8_t>(path.size() / 2), 0},
+                         path}));
   }
   // A class 1 packet: sequenced address, sequence count, run/idle header with run, data.
   void send_io(std::uint32_t id, std::uint32_t sequence, unsigned count, std::string_view hex, bool run = true) {

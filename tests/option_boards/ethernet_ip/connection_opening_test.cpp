@@ -52,8 +52,7 @@ TEST_F(ConnectionOpeningTest, AnswerHasIdentifiersTriadAndActualIntervals) {
   ASSERT_EQ(reply.size(), 30u);
   EXPECT_EQ(to_hex(ByteView(reply).first(4)), "D4 00 00 00");
   EXPECT_NE(read_le32(reply, 4), 0u);
-  EXPECT_EQ(to_hex(ByteView(reply).subspan(8)),
-            "44 33 22 11 01 00 37 13 2A 00 00 00 20 4E 00 00 10 27 00 00 00 00");
+  EXPECT_EQ(to_hex(ByteView(reply).subspan(8)), "44 33 22 11 01 00 37 13 2A 00 00 00 20 4E 00 00 10 27 00 00 00 00");
   EXPECT_EQ(bench.take_log(), std::vector<std::string>{"owner 21/71 opened"});
   EXPECT_EQ(bench.adapter.connections().io_connections(), 1u);
 }
@@ -129,27 +128,25 @@ const Refused kRefused[] = {
     {"TransportClass2", [](OpenWish& w) { w.transport = 0x02; }, "01 011C"},
     {"ReservedTrigger", [](OpenWish& w) { w.transport = 0x31; }, "01 011D"},
     {"Multiplier8", [](OpenWish& w) { w.multiplier = 8; }, "01 0133"},
-    {"KeyOfAnotherVendor",
-     [](OpenWish& w) { w.path = "34 04 A2 00 02 00 38 00 01 0A 20 04 2C 15 2C 47"; }, "01 0114"},
-    {"KeyOfAnotherProduct",
-     [](OpenWish& w) { w.path = "34 04 A1 00 02 00 39 00 01 0A 20 04 2C 15 2C 47"; }, "01 0114"},
-    {"KeyOfAnotherDeviceType",
-     [](OpenWish& w) { w.path = "34 04 A1 00 03 00 38 00 01 0A 20 04 2C 15 2C 47"; }, "01 0115"},
-    {"KeyOfAnotherMajorRevision",
-     [](OpenWish& w) { w.path = "34 04 A1 00 02 00 38 00 02 0A 20 04 2C 15 2C 47"; }, "01 0116"},
-    {"KeyOfALaterMinorRevision",
-     [](OpenWish& w) { w.path = "34 04 A1 00 02 00 38 00 81 0B 20 04 2C 15 2C 47"; }, "01 0116"},
+    {"KeyOfAnotherVendor", [](OpenWish& w) { w.path = "34 04 A2 00 02 00 38 00 01 0A 20 04 2C 15 2C 47"; }, "01 0114"},
+    {"KeyOfAnotherProduct", [](OpenWish& w) { w.path = "34 04 A1 00 02 00 39 00 01 0A 20 04 2C 15 2C 47"; }, "01 0114"},
+    {"KeyOfAnotherDeviceType", [](OpenWish& w) { w.path = "34 04 A1 00 03 00 38 00 01 0A 20 04 2C 15 2C 47"; },
+     "01 0115"},
+    {"KeyOfAnotherMajorRevision", [](OpenWish& w) { w.path = "34 04 A1 00 02 00 38 00 02 0A 20 04 2C 15 2C 47"; },
+     "01 0116"},
+    {"KeyOfALaterMinorRevision", [](OpenWish& w) { w.path = "34 04 A1 00 02 00 38 00 81 0B 20 04 2C 15 2C 47"; },
+     "01 0116"},
     {"ConsumedPointUnknown", [](OpenWish& w) { w.path = "20 04 2C 16 2C 47"; }, "01 012A"},
     {"ProducedPointUnknown", [](OpenWish& w) { w.path = "20 04 2C 15 2C 48"; }, "01 012B"},
     {"PointsThatDoNotGoTogether", [](OpenWish& w) { w.path = "20 04 2C 14 2C 47"; }, "01 012F"},
     {"ConfigurationPointUnknown", [](OpenWish& w) { w.path = "20 04 24 66 2C 15 2C 47"; }, "01 0129"},
-    {"ConfigurationTooLong",
-     [](OpenWish& w) { w.path = "20 04 24 64 2C 15 2C 47 80 03 01 02 03 04 05 06"; }, "01 0126 0002"},
+    {"ConfigurationTooLong", [](OpenWish& w) { w.path = "20 04 24 64 2C 15 2C 47 80 03 01 02 03 04 05 06"; },
+     "01 0126 0002"},
     {"ConfigurationForAPointWithout", [](OpenWish& w) { w.path = "20 04 24 65 2C 15 2C 47 80 01 01 02"; },
      "01 0126 0000"},
     {"ConfigurationWithoutPoint", [](OpenWish& w) { w.path = "20 04 2C 15 2C 47 80 01 01 02"; }, "01 0129"},
-    {"ConfigurationRefusedByTheDevice",
-     [](OpenWish& w) { w.path = "20 04 24 64 2C 15 2C 47 80 02 FF 00 00 00"; }, "09"},
+    {"ConfigurationRefusedByTheDevice", [](OpenWish& w) { w.path = "20 04 24 64 2C 15 2C 47 80 02 FF 00 00 00"; },
+     "09"},
     {"NoAssembly", [](OpenWish& w) { w.path = "20 70 2C 15 2C 47"; }, "01 0117"},
     {"OnePoint", [](OpenWish& w) { w.path = "20 04 2C 15"; }, "01 0315"},
     {"NoPoints", [](OpenWish& w) { w.path = "20 04"; }, "01 0315"},
@@ -253,7 +250,8 @@ TEST(ConnectionLimitsTest, FloodOfOpensFindsTheTableFullAndLeavesTheRestAlone) {
   AdapterBench bench(options);
   auto master = Master::registered(bench);
   std::string last;
-  for (unsigned serial = 1; serial < 300; ++serial) last = master.open_status(serial % 2 != 0 ? input_only(serial) : explicit_one(serial));
+  for (unsigned serial = 1; serial < 300; ++serial)
+    last = master.open_status(serial % 2 != 0 ? input_only(serial) : explicit_one(serial));
   EXPECT_EQ(last, "01 0113");
   EXPECT_EQ(bench.adapter.connections().io_connections() + bench.adapter.connections().explicit_connections(),
             ConnectionManager::kMaxConnections);

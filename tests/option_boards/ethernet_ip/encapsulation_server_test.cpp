@@ -195,7 +195,8 @@ TEST_F(EncapsulationServerTest, MalformedPacketsAreIncorrectData) {
   const Bytes other_interface = join({le32(1), le16(0), le16(2), null_item, test::item(0xb2, {1})});
   EXPECT_EQ(status_of(m.command(0x6f, other_interface)), 0x03u);
   // Connected data does not come with SendRRData, nor unconnected data with SendUnitData.
-  EXPECT_EQ(status_of(m.command(0x6f, join({prefix, le16(2), test::item(0xa1, le32(1)), test::item(0xb1, {0, 0})}))), 0x03u);
+  EXPECT_EQ(status_of(m.command(0x6f, join({prefix, le16(2), test::item(0xa1, le32(1)), test::item(0xb1, {0, 0})}))),
+            0x03u);
   EXPECT_EQ(status_of(m.command(0x70, join({prefix, le16(2), null_item, test::item(0xb2, {1})}))), 0x03u);
 }
 

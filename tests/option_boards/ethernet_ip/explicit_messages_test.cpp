@@ -59,7 +59,8 @@ TEST_F(ExplicitMessagesTest, UnconnectedSendIsAnsweredByWhatIsInIt) {
 TEST_F(ExplicitMessagesTest, UnconnectedSendElsewhereIsRefused) {
   EXPECT_EQ(master.request_hex("52 02 20 06 24 01 0A 0E 08 00 0E 03 20 70 24 01 30 01 01 00 01 00"),
             "D2 00 01 01 11 03 01 00");
-  EXPECT_EQ(master.request_hex("52 02 20 06 24 01 0A 0E 09 00 0E 03 20 70 24 01 30 01 00 00"), "D2 00 01 01 05 02 00 00");
+  EXPECT_EQ(master.request_hex("52 02 20 06 24 01 0A 0E 09 00 0E 03 20 70 24 01 30 01 00 00"),
+            "D2 00 01 01 05 02 00 00");
   EXPECT_EQ(bench.device.object.requests, 0);
 }
 
@@ -94,9 +95,9 @@ TEST_F(ExplicitMessagesTest, Class3CarriesRequestsWithTheirSequenceCount) {
 
 TEST_F(ExplicitMessagesTest, Class3AnswerGoesToTheOriginatorsIdentifier) {
   const auto id = master.open_id(wish);
-  const Bytes whole = master.command(
-      0x70, test::join({test::le32(0), test::le16(0), test::le16(2), test::item(0xa1, test::le32(id)),
-                        test::item(0xb1, test::join({test::le16(1), from_hex(kGet)}))}));
+  const Bytes whole =
+      master.command(0x70, test::join({test::le32(0), test::le16(0), test::le16(2), test::item(0xa1, test::le32(id)),
+                                       test::item(0xb1, test::join({test::le16(1), from_hex(kGet)}))}));
   EXPECT_EQ(to_hex(ByteView(whole).subspan(24, 20)), "00 00 00 00 00 00 02 00 A1 00 04 00 01 00 FE CA B1 00 08 00");
 }
 

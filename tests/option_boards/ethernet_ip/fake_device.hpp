@@ -33,9 +33,9 @@ class FakeObject : public cip::Object {
   int requests = 0;
 };
 
-// Consumed points 20 and 21 (4 bytes), 30 (none: heartbeat of input only), 31 (heartbeat of listen only); produced points
-// 70 and 71 (4 bytes) and 80 (none); configuration point 100 (4 bytes) and 101 (none). 20 goes with 70, 21 with 71 and
-// 80; heartbeats with any.
+// Consumed points 20 and 21 (4 bytes), 30 (none: heartbeat of input only), 31 (heartbeat of listen only); produced
+// points 70 and 71 (4 bytes) and 80 (none); configuration point 100 (4 bytes) and 101 (none). 20 goes with 70, 21 with
+// 71 and 80; heartbeats with any.
 class FakeDevice : public cip::Device, public cip::IoPoints {
  public:
   FakeDevice() { router_.add(0x70, object); }

@@ -101,8 +101,8 @@ TEST_F(IoConnectionsTest, DataGoToTheDeviceWithRunAndIdle) {
 TEST_F(IoConnectionsTest, OldAndRepeatedPacketsAreDropped) {
   const auto id = open();
   master.send_io(id, 10, 10, "01 00 00 00");
-  master.send_io(id, 10, 11, "02 00 00 00");         // same sequence
-  master.send_io(id, 9, 12, "03 00 00 00");          // overtaken
+  master.send_io(id, 10, 11, "02 00 00 00");          // same sequence
+  master.send_io(id, 9, 12, "03 00 00 00");           // overtaken
   master.send_io(id, 0x8000000a, 13, "04 00 00 00");  // half the circle away
   EXPECT_EQ(bench.take_log(), std::vector<std::string>{"run 21: 01 00 00 00"});
   master.send_io(id, 11, 10, "05 00 00 00");  // a new packet with the old count: nothing new

@@ -39,7 +39,8 @@ TEST_F(MessageStreamTest, EveryCutGivesTheSameMessages) {
   for (std::size_t a = 0; a <= bytes.size(); ++a) {
     for (std::size_t b = a; b <= bytes.size(); b += 3) {
       std::vector<std::string> found;
-      for (const ByteView part : {ByteView(bytes).first(a), ByteView(bytes).subspan(a, b - a), ByteView(bytes).subspan(b)})
+      for (const ByteView part :
+           {ByteView(bytes).first(a), ByteView(bytes).subspan(a, b - a), ByteView(bytes).subspan(b)})
         for (const auto& text : feed(part)) found.push_back(text);
       ASSERT_EQ(found, (std::vector<std::string>{"111:01 02 03", "4:", "112:04"})) << a << " " << b;
     }

@@ -19,7 +19,8 @@ TEST(MulticastAddressTest, EachHostHasThirtyTwoGroups) {
 }
 
 TEST(MulticastAddressTest, OnlyTenBitsOfTheHostCount) {
-  EXPECT_EQ(first_multicast_address(ipv4(10, 0, 4, 1), 0xffff0000), first_multicast_address(ipv4(10, 0, 0, 1), 0xffff0000));
+  EXPECT_EQ(first_multicast_address(ipv4(10, 0, 4, 1), 0xffff0000),
+            first_multicast_address(ipv4(10, 0, 0, 1), 0xffff0000));
   EXPECT_EQ(ipv4_text(first_multicast_address(ipv4(10, 0, 4, 0), 0xffff0000)), "239.192.128.224");
 }
 
@@ -32,7 +33,8 @@ TEST(MulticastAddressTest, MaskFollowsTheClassOfTheAddress) {
 TEST(Ipv4Test, TextAndNumber) {
   EXPECT_EQ(parse_ipv4("127.0.0.2"), ipv4(127, 0, 0, 2));
   EXPECT_EQ(ipv4_text(ipv4(10, 0, 255, 1)), "10.0.255.1");
-  for (const char* bad : {"", "1.2.3", "1.2.3.4.5", "256.1.1.1", "1.2.3.", "1..2.3", "1.2.3.4 ", "0001.2.3.4", "a.b.c.d"})
+  for (const char* bad :
+       {"", "1.2.3", "1.2.3.4.5", "256.1.1.1", "1.2.3.", "1..2.3", "1.2.3.4 ", "0001.2.3.4", "a.b.c.d"})
     EXPECT_FALSE(parse_ipv4(bad)) << bad;
 }
 

@@ -35,9 +35,10 @@ class UdpTest : public ::testing::Test {
   // Until so many datagrams have come; then a little longer for those that should not.
   void run_until_heard(std::size_t count, Duration limit = 5s) {
     const Instant end = loop.scheduler().now() + limit;
-    loop.scheduler().schedule_every(loop.scheduler().now() + 20ms, 20ms, kernel::Priority::kObserver, [&, end, count](Instant now) {
-      if (heard.size() >= count || now >= end) loop.stop();
-    });
+    loop.scheduler().schedule_every(loop.scheduler().now() + 20ms, 20ms, kernel::Priority::kObserver,
+                                    [&, end, count](Instant now) {
+                                      if (heard.size() >= count || now >= end) loop.stop();
+                                    });
     loop.run();
   }
   static std::uint32_t address(unsigned last) {
