@@ -74,6 +74,7 @@ void ConnectionManager::handle_io(Instant now, const Ipv4Endpoint& from, ByteVie
 
 void ConnectionManager::consume(Instant now, Connection& c, ByteView data) {
   if (c.role != cip::IoRole::kExclusiveOwner) return;
+  if (device_.io().consumed_size(c.consumed_point) != c.consumed_size) return;  // not served any more
   cip::RunMode mode = cip::RunMode::kRun;
   if (c.o2t_format == RealTimeFormat::kHeader32) {
     if (data.size() < 4) return;
@@ -153,7 +154,14 @@ Transmit ConnectionManager::emit(Instant now, Producer& p) {
   out.item(ItemType::kConnectedData, (counted ? 2 : 0) + (header ? 4 : 0) + p.data_size);
   if (counted) out.word(p.count);
   if (header) out.double_word(kRunBit);
-  if (p.data_size != 0) device_.io().produce(now, p.point, out.next(p.data_size));
+  if (p.data_size != 0) {
+    const auto data = out.next(p.data_size);
+    if (device_.io().produced_size(p.point) == p.data_size) {
+      device_.io().produce(now, p.point, data);
+    } else {
+      std::fill(data.begin(), data.end(), std::uint8_t{0});  // a point that the device does not serve any more
+    }
+  }
   return {Channel::kIo, 0, p.to, options_.dscp[static_cast<std::size_t>(p.parameters.priority)],
           ByteView(packet_).first(out.size())};
 }

@@ -243,13 +243,17 @@ void archive(Archive& a, ConnectionManager& manager) {
   ConnectionManager::State& s = manager.state_;
   a.io(s);
   a.require(s.connections.size() <= ConnectionManager::kMaxConnections, "more connections than there may be");
-  for (const Connection& c : s.connections)
-    a.require(!c.open || c.transport == TransportClass::kClass3 ||
+  for (const Connection& c : s.connections) {
+    if (!c.open) continue;
+    a.require(c.timeout_multiplier <= 7 && c.consumed_size <= ConnectionManager::kMaxIoData,
+              "a connection is not one that can be opened");
+    a.require(c.transport == TransportClass::kClass3 ||
                   (c.producer < s.producers.size() && s.producers[c.producer].users != 0),
               "a connection sends nothing");
+  }
   for (const Producer& p : s.producers)
     a.require(p.users == 0 || (p.data_size <= ConnectionManager::kMaxIoData && p.api > Duration{}),
-              "a production without interval");
+              "a production is not one that can be");
 }
 
 }  // namespace vinv::ethernet_ip

@@ -31,7 +31,13 @@ class MessageStream {
   std::size_t done_ = 0;  // bytes of partial_ that were given out and go with the next call
   std::size_t skip_ = 0;  // of an oversized message, still to come
   std::optional<Instant> deadline_;
-  VINV_ARCHIVE(MessageStream, partial_, done_, skip_, deadline_);
+
+  friend void archive(Archive& a, MessageStream& stream) {
+    VINV_MEMBERS(stream, partial, done, skip, deadline);
+    VINV_FIELDS(a, MessageStream, partial, done, skip, deadline);
+    a.require(partial.size() <= kEncapsulationHeader + kMaxEncapsulatedData && (done == 0 || done == partial.size()),
+              "a message is longer than it may be");
+  }
 };
 
 }  // namespace vinv::ethernet_ip

@@ -72,7 +72,14 @@ class OutQueue {
   std::vector<Part> parts_;
   std::size_t next_ = 0;
   std::size_t end_ = 0;
-  VINV_ARCHIVE(OutQueue, bytes_, parts_, next_, end_);
+
+  friend void archive(Archive& a, OutQueue& queue) {
+    VINV_MEMBERS(queue, bytes, parts, next, end);
+    VINV_FIELDS(a, OutQueue, bytes, parts, next, end);
+    a.require(end == bytes.size() && next <= parts.size(), "a queue is not what it says");
+    for (const Part& part : parts)
+      a.require(part.at <= bytes.size() && part.length <= bytes.size() - part.at, "a transmission is not in its queue");
+  }
 };
 
 }  // namespace vinv::ethernet_ip
