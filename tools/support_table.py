@@ -104,6 +104,23 @@ def alarm_reset(row):
     return {"any": "any", "power": "power cycle only"}.get(row.get("reset") or "", "")
 
 
+def cip_object(row):
+    attribute = row["attribute"] + (f" to {row['last_attribute']}" if row["last_attribute"] else "")
+    return f"{row['class']} / {row['instance']} / {attribute}"
+
+
+def cip_service(row):
+    classes = row["class"] + (f" to {row['last_class']}" if row["last_class"] else "")
+    return f"{classes} / {row['instance']}: {row['service']}"
+
+
+def produced_problems(row, tests):
+    if row["produced"] == "yes":
+        return must_have_test(column("code"))(row, tests)
+    problems = [] if row["here"].startswith("Nothing: ") else [f"{row['code']} is not produced and does not say why"]
+    return problems + ([f"{row['code']} is not produced but names a test"] if tests_of(row) else [])
+
+
 def column(name):
     return lambda row: row.get(name) or ""
 
@@ -164,6 +181,21 @@ TABLES = {
         "docs/boards/oi-fr-e5nco-services.csv",
         [("Manual section", column("section")), ("Service", column("service")), ("Here", column("behaviour")),
          ("Confidence", column("confidence")), ("Test", tests_column)], must_have_test(column("service"))),
+    "fr-a7ne-objects": (
+        "option_boards/boards/fr_a7ne/objects.csv",
+        [("Class / instance / attribute", cip_object), ("What", column("name")), ("Type", column("type")),
+         ("Access", column("access")), ("Value", column("default")), ("Range", object_range),
+         ("Manual section", column("section")), ("Confidence", column("confidence")), ("Notes", column("notes")),
+         ("Test", tests_column)], must_have_test(cip_object)),
+    "fr-a7ne-services": (
+        "option_boards/boards/fr_a7ne/services.csv",
+        [("Class / instance: service", cip_service), ("Name", column("name")), ("Manual section", column("section")),
+         ("Confidence", column("confidence")), ("Notes", column("notes")), ("Test", tests_column)],
+        must_have_test(cip_service)),
+    "fr-a7ne-error-codes": (
+        "docs/boards/fr-a7ne-error-codes.csv",
+        [("Code", column("code")), ("Name", column("name")), ("Here", column("here")), ("Test", tests_column)],
+        produced_problems),
     "fr-e500-parameters": (
         "motor_model/families/mitsubishi_e500/parameters.csv",
         [("Parameter", parameter_number), ("Name", column("name")), ("Range", parameter_range),

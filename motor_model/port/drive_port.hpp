@@ -45,8 +45,7 @@ struct ParameterId {
 };
 
 // Virtual control terminals that a network master may drive. They stand for terminals, not functions: the function
-// of RL, RM, RH and MRS follows the family's terminal assignment (E500: Pr.180-183). kStop is the STOP command, or the
-// terminal STOP where the family has one (A700: Pr.188). kOutputStop cuts the output off whatever the assignment says.
+// of RL, RM, RH and MRS follows the family's terminal assignment (E500: Pr.180-183). kStop is the STOP command.
 enum class NetTerminal : std::uint16_t {
   kStop = 1u << 0,
   kStf = 1u << 1,
@@ -60,7 +59,7 @@ enum class NetTerminal : std::uint16_t {
   kJog = 1u << 9,
   kCs = 1u << 10,
   kRes = 1u << 11,
-  kOutputStop = 1u << 12,
+  kOutputStop = 1u << 12,  // output stop whatever the terminal assignment says
 };
 
 struct NetTerminals {
@@ -84,16 +83,10 @@ struct Status {
   bool frequency_detected = false; // FU
   bool alarm = false;
   bool ready = false;              // RY: could run
+  bool stopping = false;           // decelerating to standstill
+  bool fault_stop = false;         // ... because the communication was lost
   VINV_ARCHIVE(Status, running, forward, reverse, up_to_frequency, overload, power_failure, frequency_detected, alarm,
-               ready);
-};
-
-// What the motor is about to do, as profiles of drives ask.
-enum class RunPhase : std::uint8_t {
-  kStopped,
-  kRunning,    // accelerating, at speed, changing direction
-  kStopping,   // decelerating to a stop that was commanded
-  kFaultStop,  // decelerating because the communication was lost
+               ready, stopping, fault_stop);
 };
 
 // What scales of a family's values depend on.
@@ -107,16 +100,16 @@ using AlarmHistory = std::array<std::uint8_t, 8>;
 
 struct WriteRequest {
   enum class Kind : std::uint8_t {
-    kOperationMode,   // value: 1 network, 0 external, 2 panel (where the family lets a network ask for it)
+    kOperationMode,   // value: 1 network, 0 external; A700: 2 panel
     kCommand,         // terminals
-    kFrequency,       // value: 0.01 Hz, until power-off
+    kFrequency,       // value: 0.01 Hz
     kAnalogReference, // value: 0-255, the option's D/A converter
     kParameter,       // parameter, value: raw word (family scale; 65535 stands for 9999 as the family has it)
     kClearAlarmHistory,
-    kResetInverter,
-    kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear; 2 and 3 the same without the communication's
-    kResetFault,      // ends an alarm without a restart
-    kStoredFrequency, // value: 0.01 Hz, kept over power-off
+    kResetInverter,   // A700, value: 0 at any time, 1 as the reset selection (Pr.75) permits
+    kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear; A700: 2, 3 without communication settings
+    kErrorReset,      // A700: only while there is an alarm
+    kStoredFrequency, // A700: as kFrequency, kept over power-off too
   };
   friend VINV_ENUM_RANGE(Kind, kOperationMode, kStoredFrequency);
   Kind kind = Kind::kCommand;
@@ -143,17 +136,13 @@ class DrivePort {
   virtual AlarmHistory alarm_history() const = 0;
   // Alarm present now, 0 if none.
   virtual std::uint8_t active_alarm() const = 0;
+  virtual DriveFacts facts() const { return {}; }
   // Start signals that are on, of any source (kStf, kStr): what keeps an operation mode from being left.
   virtual NetTerminals start_signals() const { return {}; }
-  virtual RunPhase run_phase() const {
-    if (!status().running) return RunPhase::kStopped;
-    return start_signals().bits != 0 ? RunPhase::kRunning : RunPhase::kStopping;
-  }
-  // Jog operation, from terminal or panel.
-  virtual bool jogging() const { return false; }
-  virtual DriveFacts facts() const { return {}; }
-  // What the network has set last (kFrequency, kStoredFrequency), 0.01 Hz.
-  virtual Result<std::uint32_t, Refusal> network_frequency() const { return Unexpected(Refusal::kNoSuchItem); }
+  // Jog operation within external or panel operation.
+  virtual bool jog_operation() const { return false; }
+  // The set frequency that the network gave last, 0.01 Hz.
+  virtual std::uint16_t network_frequency() const { return 0; }
   // How often a value could not be stored since power-on: a write that was accepted acts until power-off only.
   virtual std::uint32_t storage_failures() const { return 0; }
 

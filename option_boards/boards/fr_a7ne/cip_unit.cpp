@@ -29,13 +29,11 @@ void CipUnit::restart() {
   const Instant now = state_.now;
   const bool link_down = state_.link_down;
   const bool was_started = state_.started;
-  const auto input_version = state_.input_version;
   state_ = {};
   state_.flash = flash;
   state_.now = now;
   state_.link_down = link_down;
   state_.started = was_started;
-  state_.input_version = input_version + 1;
   state_.restarted = true;
   state_.link.set_timing(config_.timing);
   state_.supply = Supply::kStarting;
@@ -83,11 +81,6 @@ void CipUnit::handle_drive_tick(Instant now) {
   }
   state_.was_ready = ready;
   if (!network_mode()) state_.terminals = {};
-  if (state_.connections == 0) return;
-  Image input{};
-  fill_input(now, state_.assemblies.input, input);
-  if (input != state_.input) ++state_.input_version;
-  state_.input = input;
 }
 
 void CipUnit::handle_timeout(Instant now) {

@@ -31,6 +31,13 @@ struct CipUnitConfig {
   Timing timing = Timing::real();
 };
 
+// Instance 126 with WriteParam: an explicit write that the board makes by itself.
+struct PolledParameter {
+  cip::ObjectPath path;
+  std::uint16_t raw = 0;
+  VINV_ARCHIVE(PolledParameter, path, raw);
+};
+
 class CipUnit final : public cip::Device, public cip::IoPoints {
  public:
   static constexpr std::size_t kMostIoBytes = 6;
@@ -84,11 +91,11 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   enum class Supply : std::uint8_t { kOff, kStarting, kOn };
   friend VINV_ENUM_RANGE(Supply, kOff, kOn);
 
-  // Instance 126 with WriteParam: an explicit write that the board makes by itself.
-  struct PolledParameter {
-    cip::ObjectPath path;
-    std::uint16_t raw = 0;
-    VINV_ARCHIVE(PolledParameter, path, raw);
+  // The input data as somebody last asked for its version.
+  struct InputVersion {
+    Image image{};
+    std::uint32_t number = 0;
+    VINV_ARCHIVE(InputVersion, image, number);
   };
   struct State {
     Supply supply = Supply::kOff;
@@ -109,15 +116,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
     bool acted_before = false, acted_idle = false;
     bool polled_control = false;                     // NetCtrl was on: the run bits are the master's
     std::optional<PolledParameter> parameter_write;  // waits for the explicit write in work
-    std::uint32_t owners = 0, connections = 0;
+    std::uint32_t owners = 0;
     bool owner_timed_out = false, link_down = false;
-    Image input{};
-    std::uint32_t input_version = 0;
     Instant now{};  // of the last tick
     VINV_ARCHIVE(State, supply, started, was_ready, restart_due, restarted, startup, network, assemblies,
                  control_from_net_at_start, flash, link, terminals, explicit_reset, polled_reset, output, acted,
-                 acted_before, acted_idle, polled_control, parameter_write, owners, connections, owner_timed_out,
-                 link_down, input, input_version, now);
+                 acted_before, acted_idle, polled_control, parameter_write, owners, owner_timed_out, link_down, now);
   };
 
   void start();
@@ -161,10 +165,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   cip::MessageRouter router_;
   cip::BoundObject<CipUnit> objects_;
   State state_;
+  mutable InputVersion input_version_;
   mutable Bytes scratch_;  // keeps its memory
 
   friend void archive(Archive& a, CipUnit& unit) {
     a.io(unit.state_);
+    a.io(unit.input_version_);
     a.io(unit.router_);
   }
 };

@@ -44,6 +44,9 @@ constexpr std::pair<unsigned, NetTerminal> kCommandBits[] = {
     {5, NetTerminal::kRl},  {6, NetTerminal::kJog},  {7, NetTerminal::kRt},    {8, NetTerminal::kAu},
     {9, NetTerminal::kCs},  {10, NetTerminal::kMrs}, {11, NetTerminal::kStop}, {12, NetTerminal::kRes}};
 
+// Of kResetInverter.
+constexpr std::int64_t kAtAnyTime = 0, kAsPr75Permits = 1;
+
 // Values of attribute 120 that a master writes (7.6).
 constexpr std::int64_t kSetExternal = 0x0010, kSetPanel = 0x0011, kSetNetwork = 0x0014;
 
@@ -140,7 +143,7 @@ struct CipUnit::Bindings {
     }
     const bool acts = unit.state_.explicit_reset.write(s.number != 0) && unit.drive_.status().alarm;
     if (!acts) return Handled::kAnswered;
-    return unit.post(s.now, request_of(Kind::kResetFault), s.ticket);
+    return unit.post(s.now, request_of(Kind::kErrorReset), s.ticket);
   }
   static Got get_control_from_net(const Unit& unit, const Attribute&) {
     return unit.state_.control_from_net_at_start ? 1 : 0;
@@ -221,7 +224,7 @@ struct CipUnit::Bindings {
   // 4.6: in NET operation, not while a line error lasts.
   static SetResult set_reset(Unit& unit, const SetRequest& s) {
     if (!unit.network_mode() || unit.state_.owner_timed_out) return refuse(GeneralStatus::kObjectStateConflict);
-    return unit.post(s.now, request_of(Kind::kResetInverter), s.ticket);
+    return unit.post(s.now, request_of(Kind::kResetInverter, kAtAnyTime), s.ticket);
   }
   // argument: value of kRestoreDefaults
   static SetResult set_restore(Unit& unit, const SetRequest& s) {
@@ -230,11 +233,7 @@ struct CipUnit::Bindings {
     job.clears = true;
     return unit.post(s.now, job, s.ticket);
   }
-  static Got get_frequency(const Unit& unit, const Attribute&) {
-    const auto frequency = unit.drive_.network_frequency();
-    if (!frequency) return Unexpected(status_of(frequency.error()));
-    return *frequency;
-  }
+  static Got get_frequency(const Unit& unit, const Attribute&) { return unit.drive_.network_frequency(); }
   static SetResult set_frequency(Unit& unit, const SetRequest& s) {
     return unit.post(s.now, request_of(Kind::kFrequency, s.number), s.ticket);
   }
@@ -258,7 +257,7 @@ struct CipUnit::Bindings {
     return unit.post(s.now, request, s.ticket);
   }
   static Got get_mode(const Unit& unit, const Attribute&) {
-    const bool jogs = unit.drive_.jogging();
+    const bool jogs = unit.drive_.jog_operation();
     switch (unit.drive_.operation_mode()) {
       case port::OperationMode::kExternal: return jogs ? 2 : 0;
       case port::OperationMode::kPu: return jogs ? 3 : 1;
@@ -380,7 +379,7 @@ struct CipUnit::Bindings {
   }
 
   // --- identity (7.1.2) ---
-  // 0: restart. 1: all parameter clear, flash clear, restart. *1: Pr.75 odd: only while a protective function acts.
+  // 0: restart. 1: all parameter clear, flash clear, restart. *1: the inverter judges by Pr.75.
   static Handled reset(Unit& unit, Instant now, const cip::Request& request, cip::Reply& reply) {
     const auto answer = [&](GeneralStatus status) {
       reply.refuse(status);
@@ -389,16 +388,13 @@ struct CipUnit::Bindings {
     if (request.data.size() > 1) return answer(GeneralStatus::kTooMuchData);
     const unsigned type = request.data.empty() ? 0 : request.data[0];
     if (type > 1) return answer(GeneralStatus::kInvalidParameter);
-    constexpr std::uint32_t kUsualPr75 = 14;
-    const bool only_with_alarm = (unit.parameter_or(75, kUsualPr75) & 1) != 0;
-    if (only_with_alarm && !unit.drive_.status().alarm) return answer(GeneralStatus::kDeviceStateConflict);
     ExplicitJob job;
     if (type == 1) {
       job.add(request_of(Kind::kRestoreDefaults, 1));
       job.effect = Effect::kFlashClear;
       job.clears = true;
     }
-    job.add(request_of(Kind::kResetInverter));
+    job.add(request_of(Kind::kResetInverter, kAsPr75Permits));
     const SetResult posted = unit.post(now, job, request.ticket);
     return posted ? *posted : answer(posted.error().general);
   }

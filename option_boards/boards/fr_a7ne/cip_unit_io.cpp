@@ -82,10 +82,8 @@ cip::Status CipUnit::configure(Instant, std::uint32_t, ByteView data) {
 
 void CipUnit::on_connection(Instant, const cip::IoConnection& connection, cip::IoEvent event) {
   const bool opened = event == cip::IoEvent::kOpened;
-  const auto count = [&](std::uint32_t& number) { number = opened ? number + 1 : std::max(number, 1u) - 1; };
-  count(state_.connections);
   if (connection.role != cip::IoRole::kExclusiveOwner) return;
-  count(state_.owners);
+  state_.owners = opened ? state_.owners + 1 : std::max(state_.owners, 1u) - 1;
   if (opened) state_.acted_before = false;  // whatever comes first is new
   if (event == cip::IoEvent::kClosed) return;
   state_.owner_timed_out = !opened;
@@ -121,7 +119,7 @@ void CipUnit::act_on_output(Instant now, cip::RunMode mode) {
 void CipUnit::poll_reset(bool bit) {
   if (!state_.polled_reset.write(bit) || !drive_.status().alarm || !fault_reset_allowed()) return;
   port::WriteRequest request;
-  request.kind = Kind::kResetFault;
+  request.kind = Kind::kErrorReset;
   state_.link.put(PolledTopic::kFaultReset, request);
 }
 
@@ -205,7 +203,14 @@ void CipUnit::produce(Instant now, std::uint32_t point, std::span<std::uint8_t> 
   if (point == state_.assemblies.input && out.size() == size_of_assembly(point)) fill_input(now, point, out);
 }
 
-std::uint32_t CipUnit::produced_version(std::uint32_t) const { return state_.input_version; }
+// Only connections that send changes ask: it costs as much as the data.
+std::uint32_t CipUnit::produced_version(std::uint32_t) const {
+  Image image{};
+  fill_input(state_.now, state_.assemblies.input, image);
+  if (image != input_version_.image) ++input_version_.number;
+  input_version_.image = image;
+  return input_version_.number;
+}
 
 std::uint8_t CipUnit::status_byte(std::uint32_t instance) const {
   const port::Status status = drive_.status();

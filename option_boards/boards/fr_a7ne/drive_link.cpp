@@ -31,7 +31,8 @@ void DriveLink::put(PolledTopic topic, const port::WriteRequest& request) {
 }
 
 std::optional<Instant> DriveLink::next_deadline() const {
-  return state_.decided ? std::optional(state_.answer_at) : std::nullopt;
+  const bool waits = state_.decided || (state_.job && state_.job->clears && state_.step > 0 && !state_.posted);
+  return waits ? std::optional(state_.answer_at) : std::nullopt;
 }
 
 std::optional<Finished> DriveLink::finish_job(const port::WriteOutcome& outcome) {
@@ -58,7 +59,7 @@ std::optional<Finished> DriveLink::collect(Instant now, port::DrivePort& drive) 
     // The inverter restarted and lost it.
     outcome = port::WriteOutcome(Unexpected(port::Refusal::kNotReady));
   }
-  const Posted posted = *std::exchange(state_.posted, std::nullopt);
+  const PostedWrite posted = *std::exchange(state_.posted, std::nullopt);
   const bool storage_failed =
       outcome->has_value() && stores(posted.request) && drive.storage_failures() != posted.storage_failures_before;
   if (!posted.explicit_write) return polled(posted.topic, posted.request, *outcome, storage_failed);
@@ -86,7 +87,7 @@ port::WriteOutcome DriveLink::post(Instant now, port::DrivePort& drive, const po
   const std::uint32_t failures = drive.storage_failures();
   const port::WriteOutcome posted = drive.post_write(now, request);
   if (posted) {
-    state_.posted = Posted{!topic, topic.value_or(PolledTopic::kRun), request, failures};
+    state_.posted = PostedWrite{!topic, topic.value_or(PolledTopic::kRun), request, failures};
     state_.polled_was_last = topic.has_value();
   }
   return posted;
@@ -94,7 +95,7 @@ port::WriteOutcome DriveLink::post(Instant now, port::DrivePort& drive, const po
 
 std::optional<Finished> DriveLink::post_next(Instant now, port::DrivePort& drive) {
   if (state_.posted) return std::nullopt;
-  const bool job_waits = state_.job && !state_.decided;
+  const bool job_waits = state_.job && !state_.decided && !clears_until(now);
   const auto first =
       std::find_if(state_.polled.begin(), state_.polled.end(), [](const auto& p) { return p.has_value(); });
   if (first != state_.polled.end() && !(job_waits && state_.polled_was_last)) {

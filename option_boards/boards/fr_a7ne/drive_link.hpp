@@ -55,6 +55,15 @@ struct Finished {
   bool storage_failed = false;  // accepted, and it could not be stored
 };
 
+// What is in the mailbox.
+struct PostedWrite {
+  bool explicit_write = false;
+  PolledTopic topic = PolledTopic::kRun;
+  port::WriteRequest request;
+  std::uint32_t storage_failures_before = 0;
+  VINV_ARCHIVE(PostedWrite, explicit_write, topic, request, storage_failures_before);
+};
+
 class DriveLink {
  public:
   void set_timing(const Timing& timing) { state_.timing = timing; }
@@ -71,18 +80,10 @@ class DriveLink {
   }
   // Collects decisions, posts the next request. Call until empty.
   std::optional<Finished> advance(Instant now, port::DrivePort& drive);
-  // When an answer is due that only waits for its time.
+  // When an answer is due that only waits for its time, or what follows a parameter clear.
   std::optional<Instant> next_deadline() const;
 
  private:
-  // What is in the mailbox.
-  struct Posted {
-    bool explicit_write = false;
-    PolledTopic topic = PolledTopic::kRun;
-    port::WriteRequest request;
-    std::uint32_t storage_failures_before = 0;
-    VINV_ARCHIVE(Posted, explicit_write, topic, request, storage_failures_before);
-  };
   struct State {
     Timing timing;
     std::optional<ExplicitJob> job;
@@ -92,12 +93,16 @@ class DriveLink {
     Instant answer_at{};
     Instant free_at{};
     std::array<std::optional<port::WriteRequest>, kPolledTopics> polled{};
-    std::optional<Posted> posted;
+    std::optional<PostedWrite> posted;
     bool polled_was_last = false;
     VINV_ARCHIVE(State, timing, job, step, storage_failed, decided, answer_at, free_at, polled, posted,
                  polled_was_last);
   };
 
+  // The parameter clear has been decided and takes its time; the next step comes after it.
+  bool clears_until(Instant now) const {
+    return state_.job && state_.job->clears && state_.step > 0 && now < state_.answer_at;
+  }
   std::optional<Finished> collect(Instant now, port::DrivePort& drive);
   std::optional<Finished> finish_job(const port::WriteOutcome& outcome);
   static Finished polled(PolledTopic topic, const port::WriteRequest& request, const port::WriteOutcome& outcome,

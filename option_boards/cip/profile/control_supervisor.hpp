@@ -26,14 +26,11 @@ enum class SupervisorState : std::uint8_t {
 // started: the drive has been ready since power-on; before that it starts up, afterwards it is being reset.
 inline SupervisorState supervisor_state(const port::DrivePort& drive, bool started) {
   if (!drive.ready()) return started ? SupervisorState::kNotReady : SupervisorState::kStartup;
-  if (drive.status().alarm) return SupervisorState::kFaulted;
-  switch (drive.run_phase()) {
-    case port::RunPhase::kStopped: return SupervisorState::kReady;
-    case port::RunPhase::kRunning: return SupervisorState::kEnabled;
-    case port::RunPhase::kStopping: return SupervisorState::kStopping;
-    case port::RunPhase::kFaultStop: return SupervisorState::kFaultStop;
-  }
-  return SupervisorState::kReady;
+  const port::Status status = drive.status();
+  if (status.alarm) return SupervisorState::kFaulted;
+  if (!status.running) return SupervisorState::kReady;
+  if (status.fault_stop) return SupervisorState::kFaultStop;
+  return status.stopping ? SupervisorState::kStopping : SupervisorState::kEnabled;
 }
 
 // Attributes 3 and 4 as a direction. kLevels: each attribute is a start signal of the drive, which knows what both

@@ -41,10 +41,15 @@ class FakeDrive final : public port::DrivePort {
   std::optional<port::Refusal> refuse_post;
   port::NetTerminals signals_on;   // start signals of any source
   bool storage_fails = false;      // accepted parameter writes cannot be stored
+  port::DriveFacts facts_now;
+  bool jogs = false;
+  bool reset_needs_alarm = false;  // Pr.75, for resets that ask
+  std::uint16_t set_frequency = 0;  // of the network, 0.01 Hz
 
   // What tests look at.
   std::vector<port::WriteRequest> posted;
   std::vector<port::WriteRequest> executed;
+  bool communication_lost = false;
 
   // A control tick of 1 ms.
   void tick() {
@@ -78,6 +83,9 @@ class FakeDrive final : public port::DrivePort {
 
   port::NetTerminals start_signals() const override { return signals_on; }
   std::uint32_t storage_failures() const override { return storage_failures_; }
+  bool jog_operation() const override { return jogs; }
+  port::DriveFacts facts() const override { return facts_now; }
+  std::uint16_t network_frequency() const override { return set_frequency; }
 
   port::WriteOutcome post_write(Instant, const port::WriteRequest& request) override {
     if (refuse_post) return Unexpected(*refuse_post);
@@ -95,7 +103,7 @@ class FakeDrive final : public port::DrivePort {
     lose_mailbox();
     return taken;
   }
-  void set_communication_lost(bool) override {}
+  void set_communication_lost(bool lost) override { communication_lost = lost; }
   void set_option_failed(bool) override {}
 
  private:
@@ -108,17 +116,28 @@ class FakeDrive final : public port::DrivePort {
     using port::Refusal;
     if (request.kind == Kind::kOperationMode) {
       if (status_now.running) return Unexpected(Refusal::kModeChangeRefused);
-      mode = request.value == 1 ? port::OperationMode::kNetwork : port::OperationMode::kExternal;
+      constexpr port::OperationMode kModes[] = {port::OperationMode::kExternal, port::OperationMode::kNetwork,
+                                                port::OperationMode::kPu};
+      if (request.value > 2) return Unexpected(Refusal::kOutOfRange);
+      mode = kModes[request.value];
+      return {};
+    }
+    if (request.kind == Kind::kErrorReset) {
+      if (!status_now.alarm) return Unexpected(Refusal::kNotFaulted);
+      status_now.alarm = false;
       return {};
     }
     if (mode != port::OperationMode::kNetwork) return Unexpected(Refusal::kWrongMode);
     switch (request.kind) {
       case Kind::kFrequency:
+      case Kind::kStoredFrequency:
         if (request.value > max_frequency) return Unexpected(Refusal::kOutOfRange);
+        set_frequency = static_cast<std::uint16_t>(request.value);
         return {};
       case Kind::kParameter: return write_parameter(request);
       case Kind::kClearAlarmHistory: history = {}; return {};
       case Kind::kResetInverter:
+        if (request.value == 1 && reset_needs_alarm && !status_now.alarm) return Unexpected(Refusal::kNotFaulted);
         is_ready = false;
         dead_ticks_ = dead_ticks_after_reset;
         return {};
