@@ -1,6 +1,7 @@
 // I/O packets with time: intervals, triggers, sequence counts, run and idle, time-outs. CIP Vol 1, 3-4; Vol 2, 3-4.
 #include <gtest/gtest.h>
 
+#include "tests/bench/allocation_count.hpp"
 #include "tests/option_boards/ethernet_ip/adapter_bench.hpp"
 
 namespace vinv::ethernet_ip {
@@ -386,6 +387,34 @@ TEST_F(ListenOnlyTest, ItsOwnEndLeavesTheOwnerAlone) {
   io();
   bench.advance(20ms);
   EXPECT_EQ(io().size(), 2u);
+}
+
+TEST_F(IoConnectionsTest, PacketsAndRequestsTakeNoMemoryOnceTheyHaveIt) {
+  OpenWish w;
+  w.multiplier = 7;
+  const auto id = open(w);
+  const Bytes request = test::encapsulated(
+      0x6f, master.session,
+      join({le32(0), le16(5), le16(2), item(0, {}), item(0xb2, from_hex("10 03 20 99 24 01 30 01 05 00"))}));
+  const Bytes packet = join({le16(2), item(0x8002, join({le32(id), le32(1)})),
+                             item(0xb1, join({le16(1), le32(1), from_hex("01 02 03 04")}))});
+  const auto round = [&] {
+    bench.now += 10ms;
+    bench.adapter.handle_timeout(bench.now);
+    bench.adapter.handle_io(bench.now, {ipv4(127, 0, 0, 1), 2222}, packet);
+    bench.adapter.handle_tcp(bench.now, master.tcp, request);
+    int transmissions = 0;
+    while (bench.adapter.poll_transmit(bench.now)) ++transmissions;
+    bench.adapter.next_deadline();
+    return transmissions;
+  };
+  round();
+  round();
+  const auto before = test::allocation_count();
+  int transmissions = 0;
+  for (int i = 0; i < 3; ++i) transmissions += round();
+  EXPECT_EQ(test::allocation_count(), before);
+  EXPECT_EQ(transmissions, 6);
 }
 
 TEST_F(IoConnectionsTest, StopEndsConnectionsWithoutAWord) {

@@ -4,16 +4,20 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <set>
 
 #include "sim/rig/live_ethernet_ip.hpp"
+#include "sim/transports/ip_recorder.hpp"
 #include "sim/transports/memory_link.hpp"
 #include "sim/transports/memory_network.hpp"
 #include "tests/option_boards/ethernet_ip/adapter_bench.hpp"
 #include "tests/sim/transports/loop_thread.hpp"
+#include "tests/sim/transports/temporary_folder.hpp"
 #include "tests/support/eip_scanner.hpp"
 
 namespace vinv::rig {
@@ -296,6 +300,70 @@ TEST_F(MemoryAdapter, ConnectionWorksAndALostLinkTimesItOut) {
   network.set_link(kTarget, false);
   scheduler.run_until(begin + 200ms);
   EXPECT_EQ(device.log, std::vector<std::string>{"owner 21/71 timed out"});
+}
+
+// What tshark thinks of everything that the adapter sends: no complaint, and the connection's packets are known as
+// such.
+TEST_F(MemoryAdapter, TsharkDissectsARecordingWithoutAComplaint) {
+  const transports::TemporaryFolder folder;
+  const std::string path = folder / "enip.pcapng";
+  {
+    const auto recorder = transports::IpRecorder::open(path);
+    ASSERT_TRUE(recorder);
+    adapter.start({kTarget, 0xffffff00, 2222});
+    EthernetIpPort port(scheduler, adapter, (*recorder)->wrap(std::move(*network.open({kTarget, 44818}))),
+                        (*recorder)->wrap(std::move(*network.open({kTarget, 2222}))));
+    const auto udp = std::move(*network.open({kMaster, 50'000}));
+    udp->send(scheduler.now(), {kTarget, 44818}, test::encapsulated(0x63, 0, {}));
+    udp->send(scheduler.now(), {kTarget, 44818}, test::encapsulated(0x04, 0, {}));
+    auto link = transports::make_memory_link(scheduler);
+    port.accept(scheduler.now(), (*recorder)->wrap(scheduler.now(), std::move(link.second), ipv4_text(kTarget), 44818),
+                {kMaster, 50'000});
+    Bytes answers;
+    link.first->set_handlers([&](Instant, ByteView b, bool) { answers.assign(b.begin(), b.end()); },
+                             [](Instant, const std::string&) {});
+    const auto say = [&](const Bytes& bytes) {
+      link.first->send(scheduler.now(), bytes);
+      scheduler.run_until(scheduler.now() + 1ms);
+    };
+    say(test::encapsulated(0x65, 0, test::from_hex("01 00 00 00")));
+    const std::uint32_t session = read_le32(answers, 4);
+    const auto ask = [&](const Bytes& message) {
+      say(test::encapsulated(
+          0x6f, session,
+          test::join({test::from_hex("00 00 00 00 05 00 02 00 00 00 00 00"), test::item(0xb2, message)})));
+    };
+    const std::string open =
+        "54 02 20 06 24 01 0A 0E 00 00 00 00 44 33 22 11 01 00 37 13 2A 00 00 00 00 00 00 00 10 27 00 00 0A 48 "
+        "10 27 00 00 06 ";
+    ask(test::from_hex(open + "28 01 03 20 04 2C 15 2C 47"));  // multicast
+    ask(test::from_hex(open + "28 01 03 20 04 2C 15 2C 47"));  // duplicate
+    ask(test::from_hex("56 02 20 06 24 01 01 00"));
+    ask(test::from_hex("5A 02 20 06 24 01 00 03 20 04 2C 15 2C 47"));
+    ask(test::from_hex("52 02 20 06 24 01 0A 0E 08 00 0E 03 20 70 24 01 30 01 01 00 01 00"));
+    ask(test::from_hex("0E 03 20 70 24 01 30 01"));
+    ask(test::from_hex("0E 03 20 99 24 01 30 01"));
+    scheduler.run_until(scheduler.now() + 35ms);
+    ask(test::from_hex("4E 02 20 06 24 01 0A 0E 01 00 37 13 2A 00 00 00 03 00 20 04 2C 15 2C 47"));
+    say(test::encapsulated(0x77, session, {}));
+    link.first->close();
+    scheduler.run_until(scheduler.now() + 1ms);
+  }
+  const auto tshark = [&](const std::string& arguments) {
+    FILE* pipe = ::popen(("tshark -r " + path + " " + arguments + " 2>/dev/null").c_str(), "r");
+    std::string out;
+    char buffer[4096];
+    for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) out.append(buffer, n);
+    EXPECT_EQ(::pclose(pipe), 0);
+    return out;
+  };
+  EXPECT_EQ(tshark("-Y '_ws.malformed || _ws.expert.severity >= 8388608'"), "");
+  EXPECT_EQ(tshark("-o ip.check_checksum:TRUE -o udp.check_checksum:TRUE -Y 'ip.checksum.status == 0 || "
+                   "udp.checksum.status == 0'"),
+            "");
+  const std::string multicast = tshark("-Y 'cipio && ip.dst == 239.192.2.32 && ip.dsfield.dscp == 47'");
+  EXPECT_GE(std::count(multicast.begin(), multicast.end(), '\n'), 4);
+  EXPECT_NE(tshark("-Y 'enip.command == 0x63 && enip.lir.prodcode == 56'"), "");
 }
 
 }  // namespace
