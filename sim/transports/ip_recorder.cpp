@@ -5,6 +5,7 @@
 
 #include "sim/transports/stream_handlers.hpp"
 #include "sim/transports/tcp_conversation.hpp"
+#include "sim/transports/udp_frame.hpp"
 
 namespace vinv::transports {
 namespace {
@@ -84,7 +85,45 @@ class RecordedTcp : public ByteStream {
   std::shared_ptr<State> state_;
 };
 
+class RecordedUdp : public UdpPort {
+ public:
+  RecordedUdp(std::unique_ptr<UdpPort> inner, std::shared_ptr<CaptureFile> file, std::uint32_t interface_id)
+      : inner_(std::move(inner)), file_(std::move(file)), interface_id_(interface_id) {}
+
+  void set_handler(OnDatagram on_datagram) override {
+    inner_->set_handler(
+        [this, handler = std::move(on_datagram)](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
+          write(now, from, inner_->local(), bytes, 0, PacketDirection::kInbound);
+          handler(now, from, bytes);
+        });
+  }
+  void send(Instant now, const Ipv4Endpoint& to, ByteView bytes, std::uint8_t dscp) override {
+    write(now, inner_->local(), to, bytes, dscp, PacketDirection::kOutbound);
+    inner_->send(now, to, bytes, dscp);
+  }
+  Result<void, std::string> join(std::uint32_t group) override { return inner_->join(group); }
+  void leave(std::uint32_t group) override { inner_->leave(group); }
+  Ipv4Endpoint local() const override { return inner_->local(); }
+
+ private:
+  void write(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes, std::uint8_t dscp,
+             PacketDirection direction) {
+    make_udp_frame(frame_, from, to, bytes, {ip_id_++, dscp});
+    file_->packet(interface_id_, now, frame_, direction);
+  }
+
+  std::unique_ptr<UdpPort> inner_;
+  std::shared_ptr<CaptureFile> file_;
+  std::uint32_t interface_id_;
+  std::uint16_t ip_id_ = 0;
+  Bytes frame_;
+};
+
 }  // namespace
+
+std::unique_ptr<UdpPort> IpRecorder::wrap(std::unique_ptr<UdpPort> port) {
+  return std::make_unique<RecordedUdp>(std::move(port), file_, interface_id_);
+}
 
 Result<std::unique_ptr<IpRecorder>, std::string> IpRecorder::open(const std::string& path, std::int64_t start_unix_ns) {
   auto file = CaptureFile::create(path, start_unix_ns);

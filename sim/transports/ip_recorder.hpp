@@ -1,4 +1,5 @@
-// Records TCP streams into a capture file, as the frames that tshark or Wireshark would have seen on a wire
+// Records TCP streams and UDP ports into a capture file, as the frames that tshark or Wireshark would have seen on a
+// wire
 // (`tshark -r FILE -o mbtcp.tcp.port:1502`: by that port it also tells queries from answers). Any number of streams
 // share one recorder.
 #pragma once
@@ -10,6 +11,7 @@
 #include "sim/base/result.hpp"
 #include "sim/transports/byte_stream.hpp"
 #include "sim/transports/capture_file.hpp"
+#include "sim/transports/udp_port.hpp"
 
 namespace vinv::transports {
 
@@ -23,6 +25,9 @@ class IpRecorder {
   // no address (a memory link) gets one of TEST-NET-1. The wrapped stream may outlive the recorder.
   std::unique_ptr<ByteStream> wrap(Instant now, std::unique_ptr<ByteStream> stream, const std::string& host,
                                    std::uint16_t port);
+
+  // A port of ours: what it sends and receives. The wrapped port may outlive the recorder.
+  std::unique_ptr<UdpPort> wrap(std::unique_ptr<UdpPort> port);
 
   const CaptureFile& file() const { return *file_; }
 
