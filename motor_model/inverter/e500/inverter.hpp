@@ -11,6 +11,7 @@
 #include "motor_model/inverter/e500/operation_mode.hpp"
 #include "motor_model/inverter/e500/settings.hpp"
 #include "motor_model/inverter/e500/state.hpp"
+#include "motor_model/inverter/family_data.hpp"
 #include "motor_model/inverter/inverter.hpp"
 
 namespace vinv::inverter::e500 {
@@ -21,13 +22,6 @@ inline constexpr std::string_view kFamily = "fr-e500";
 inline constexpr Duration kStartUpTime = std::chrono::milliseconds(300);  // control supply to ready
 inline constexpr Duration kResetTime = std::chrono::seconds(1);           // reset to ready
 
-// The tables of the family, parsed once, never changed.
-struct FamilyData {
-  ParameterTable parameters;
-  AlarmTable alarms;
-  SignalMap signals;
-  std::vector<ModelRow> models;
-};
 const FamilyData& family_data();
 
 class E500Inverter final : public Inverter, private port::DrivePort {

@@ -6,7 +6,6 @@
 
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/e500/parameter_numbers.hpp"
-#include "sim/base/check.hpp"
 #include "vinv_inverter_data.hpp"
 
 namespace vinv::inverter::e500 {
@@ -51,12 +50,6 @@ constexpr std::array<CauseName, 7> kCauses{{
     {"pu_disconnected", &Causes::pu_disconnected},
 }};
 
-template <class T>
-T checked(Result<T, std::string> loaded) {
-  VINV_CHECK(loaded.has_value());
-  return std::move(loaded).value();
-}
-
 plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, double nominal_mains_v_rms) {
   plant::PlantConfig p;
   p.machine = c.motor;
@@ -87,10 +80,8 @@ double nominal_mains(const InverterConfig& c, const ModelRow& m) {
 }  // namespace
 
 const FamilyData& family_data() {
-  static const FamilyData data{checked(ParameterTable::load(data::mitsubishi_e500_parameters)),
-                               checked(AlarmTable::load(data::mitsubishi_e500_alarms)),
-                               checked(SignalMap::load(data::mitsubishi_e500_terminals)),
-                               checked(load_models(data::mitsubishi_e500_models))};
+  static const FamilyData data = load_family({data::mitsubishi_e500_parameters, data::mitsubishi_e500_alarms,
+                                              data::mitsubishi_e500_terminals, data::mitsubishi_e500_models});
   return data;
 }
 
@@ -142,7 +133,7 @@ std::vector<std::pair<std::string_view, bool>> E500Inverter::terminals() const {
   for (const auto& [name, index] : kInputs) out.emplace_back(name, wiring_.closed[index]);
   for (const auto& [name, function] : kOutputs) {
     const auto signal = data_.signals.output(store_.integer(function));
-    out.emplace_back(name, control_alive_ && signal && v_.published.outputs.has(*signal));
+    out.emplace_back(name, control_alive_ && signal && v_.published.outputs.has(signal->signal));
   }
   return out;
 }
