@@ -57,6 +57,9 @@ enum class NetTerminal : std::uint16_t {
   kRt = 1u << 7,
   kAu = 1u << 8,
   kJog = 1u << 9,
+  kCs = 1u << 10,
+  kRes = 1u << 11,
+  kOutputStop = 1u << 12,  // output stop whatever the terminal assignment says
 };
 
 struct NetTerminals {
@@ -80,8 +83,10 @@ struct Status {
   bool frequency_detected = false; // FU
   bool alarm = false;
   bool ready = false;              // RY: could run
+  bool stopping = false;           // decelerating to standstill
+  bool fault_stop = false;         // ... because the communication was lost
   VINV_ARCHIVE(Status, running, forward, reverse, up_to_frequency, overload, power_failure, frequency_detected, alarm,
-               ready);
+               ready, stopping, fault_stop);
 };
 
 // Newest first; 0 where fewer alarms are stored. Data codes of the family (E500: 10H E.OC1 ... A3H E.OP3).
@@ -89,16 +94,18 @@ using AlarmHistory = std::array<std::uint8_t, 8>;
 
 struct WriteRequest {
   enum class Kind : std::uint8_t {
-    kOperationMode,   // value: 1 network, 0 external
+    kOperationMode,   // value: 1 network, 0 external; A700: 2 panel
     kCommand,         // terminals
     kFrequency,       // value: 0.01 Hz
     kAnalogReference, // value: 0-255, the option's D/A converter
     kParameter,       // parameter, value: raw word (family scale; 65535 stands for 9999 as the family has it)
     kClearAlarmHistory,
-    kResetInverter,
-    kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear
+    kResetInverter,   // A700, value: 0 at any time, 1 as the reset selection (Pr.75) permits
+    kRestoreDefaults, // value: 0 parameter clear, 1 all parameter clear; A700: 2, 3 without communication settings
+    kErrorReset,      // A700: only while there is an alarm
+    kStoredFrequency, // A700: as kFrequency, kept over power-off too
   };
-  friend VINV_ENUM_RANGE(Kind, kOperationMode, kRestoreDefaults);
+  friend VINV_ENUM_RANGE(Kind, kOperationMode, kStoredFrequency);
   Kind kind = Kind::kCommand;
   ParameterId parameter{};
   std::uint32_t value = 0;
@@ -125,6 +132,10 @@ class DrivePort {
   virtual std::uint8_t active_alarm() const = 0;
   // Start signals that are on, of any source (kStf, kStr): what keeps an operation mode from being left.
   virtual NetTerminals start_signals() const { return {}; }
+  // Jog operation within external or panel operation.
+  virtual bool jog_operation() const { return false; }
+  // The set frequency that the network gave last, 0.01 Hz.
+  virtual std::uint16_t network_frequency() const { return 0; }
   // How often a value could not be stored since power-on: a write that was accepted acts until power-off only.
   virtual std::uint32_t storage_failures() const { return 0; }
 

@@ -6,7 +6,7 @@
 #include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 struct Retry {
   enum class Phase : std::uint8_t { kIdle, kWaiting, kWatching } phase = Phase::kIdle;
@@ -21,4 +21,4 @@ struct Retry {
   VINV_ARCHIVE(Retry, phase, used, due);
 };
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

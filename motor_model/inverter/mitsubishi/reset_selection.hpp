@@ -2,7 +2,7 @@
 // family.
 #pragma once
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 struct ResetSelection {
   bool only_with_alarm = false;     // a reset is accepted only while there is an alarm
@@ -17,4 +17,4 @@ struct ResetSelection {
   }
 };
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,14 +1,14 @@
-// Alarms of the FR-E500: from trips and causes to name, history, retry and reset. Typical for the family.
+// Alarms of the Mitsubishi families: from trips and causes to name, history, retry and reset. Typical for the family.
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 
-#include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/parameter_numbers.hpp"
-#include "motor_model/inverter/e500/reset_selection.hpp"
+#include "motor_model/inverter/mitsubishi/inverter.hpp"
+#include "motor_model/inverter/mitsubishi/parameter_numbers.hpp"
+#include "motor_model/inverter/mitsubishi/reset_selection.hpp"
 #include "sim/base/check.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 namespace {
 
 using drive::RunState;
@@ -25,7 +25,7 @@ __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ..
 
 }  // namespace
 
-std::string E500Inverter::trip_cause(const AlarmRow& row, const drive::Trip& trip) const {
+std::string MitsubishiInverter::trip_cause(const AlarmRow& row, const drive::Trip& trip) const {
   // Comparator events lie in the tick that has just been integrated.
   const bool comparator = trip.after.count() > 0;
   const double at_s = to_seconds(comparator ? now_ - kControlPeriod + trip.after : now_);
@@ -79,19 +79,19 @@ std::string E500Inverter::trip_cause(const AlarmRow& row, const drive::Trip& tri
   return row.cause + " " + when;
 }
 
-void E500Inverter::raise_trip(const drive::Trip& trip) {
+void MitsubishiInverter::raise_trip(const drive::Trip& trip) {
   const auto row = data_.alarms.by_trip(trip.kind);
   VINV_CHECK(row.has_value());
   raise(*row, trip_cause(data_.alarms.rows()[*row], trip));
 }
 
-void E500Inverter::raise(std::string_view name, std::string cause) {
+void MitsubishiInverter::raise(std::string_view name, std::string cause) {
   const auto row = data_.alarms.by_name(name);
   VINV_CHECK(row.has_value());
   raise(*row, std::move(cause));
 }
 
-void E500Inverter::raise(std::size_t row, std::string cause) {
+void MitsubishiInverter::raise(std::size_t row, std::string cause) {
   if (v_.alarm.row) return;  // the first one stays until it is reset
   core_.force_trip();
   const AlarmRow& alarm = data_.alarms.rows()[row];
@@ -125,11 +125,11 @@ void E500Inverter::raise(std::size_t row, std::string cause) {
   v_.alarm = {row, std::move(cause)};
 }
 
-bool E500Inverter::alarm_visible() const {
+bool MitsubishiInverter::alarm_visible() const {
   return v_.retry.phase != Retry::Phase::kWaiting || Retry::alarm_output(store_.integer(pr::kRetries));
 }
 
-void E500Inverter::follow_retry() {
+void MitsubishiInverter::follow_retry() {
   if (v_.retry.phase == Retry::Phase::kIdle || now_ < v_.retry.due) return;
   if (v_.retry.phase == Retry::Phase::kWaiting) {
     v_.alarm = {};
@@ -144,28 +144,22 @@ void E500Inverter::follow_retry() {
 }
 
 // Causes outside the control core; each trips as long as it is there.
-void E500Inverter::follow_causes() {
-  if (v_.alarm.row || now_ < v_.ready_at) return;
-  const double at_s = to_seconds(now_);
-  const bool network = v_.mode == port::OperationMode::kNetwork;
+void MitsubishiInverter::follow_causes() {
+  if (now_ < v_.ready_at) return;
+  follow_communication();
+  if (v_.alarm.row) return;
   const int reset_selection = store_.integer(pr::kResetSelection);
-  if (causes_.option) {
-    raise("E.OPT", format("the option board dropped out at %.3f s", at_s));
-  } else if (v_.network.option_failed && network) {
-    raise("E.3", format("the option board reports a fault of its own at %.3f s in network operation", at_s));
-  } else if (v_.network.communication_lost && network) {
-    raise("E.OP3", format("communication of the option board lost at %.3f s in network operation", at_s));
-  } else if (causes_.pu_disconnected && ResetSelection::of(reset_selection).panel_supervised) {
-    raise("E.PUE", format("operation panel disconnected at %.3f s with Pr.75 = %d", at_s, reset_selection));
+  if (causes_.pu_disconnected && ResetSelection::of(reset_selection).panel_supervised) {
+    raise("E.PUE", format("operation panel disconnected at %.3f s with Pr.75 = %d", to_seconds(now_), reset_selection));
   }
 }
 
-bool E500Inverter::reset_accepted() const {
+bool MitsubishiInverter::reset_accepted() const {
   if (v_.alarm.row) return data_.alarms.rows()[*v_.alarm.row].reset == ResetRule::kAny;
   return !ResetSelection::of(store_.integer(pr::kResetSelection)).only_with_alarm;
 }
 
-void E500Inverter::begin_reset() {
+void MitsubishiInverter::begin_reset() {
   // As after power-on: RAM from EEPROM, mode by Pr.340. A reset clears the thermal accumulators too, which is why the
   // family warns of needless resets.
   if (v_.tuning.running()) v_.tuning.abort();
@@ -183,4 +177,4 @@ void E500Inverter::begin_reset() {
   v_.ready_at = now_ + kResetTime;
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

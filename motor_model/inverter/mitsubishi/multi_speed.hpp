@@ -6,9 +6,9 @@
 #include "motor_model/inverter/parameter_store.hpp"
 #include "motor_model/inverter/signal_map.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 // Empty: no speed is selected. A combination left at 9999 gives the lowest of its signals.
 std::optional<double> multi_speed_hz(const ParameterStore& parameters, InputSignals signals);
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

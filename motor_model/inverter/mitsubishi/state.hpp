@@ -1,5 +1,5 @@
-// Everything that one FR-E500's control remembers, in plain copyable structs. What survives a power cycle is in
-// EepromRecord and the parameter store; the rest is made anew when the control supply comes back.
+// Everything that the control of one inverter remembers in every family, in plain copyable structs. What survives a
+// power cycle is in EepromRecord and the parameter store; the rest is made anew when the control supply comes back.
 #pragma once
 
 #include <array>
@@ -10,26 +10,27 @@
 #include "motor_model/drive/pid.hpp"
 #include "motor_model/drive/remote_setting.hpp"
 #include "motor_model/inverter/analog_channel.hpp"
-#include "motor_model/inverter/e500/auto_tuning.hpp"
-#include "motor_model/inverter/e500/retry.hpp"
-#include "motor_model/inverter/e500/run_command.hpp"
 #include "motor_model/inverter/eeprom_text.hpp"
 #include "motor_model/inverter/mailbox.hpp"
+#include "motor_model/inverter/mitsubishi/auto_tuning.hpp"
+#include "motor_model/inverter/mitsubishi/retry.hpp"
+#include "motor_model/inverter/mitsubishi/run_command.hpp"
 #include "motor_model/inverter/signal_map.hpp"
 #include "motor_model/port/drive_port.hpp"
 #include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
-enum Terminal : std::uint8_t { kStf, kStr, kRl, kRm, kRh, kMrs, kRes, kTerminalCount };
+enum class AnalogInput : std::uint8_t { k2, k4, k1 };
+inline constexpr std::size_t kAnalogInputs = 3;
 
 // As the wiring stands, whether the drive is powered or not.
 struct Wiring {
-  std::array<bool, kTerminalCount> closed{};
-  double terminal_2_v = 0;
-  double terminal_4_ma = 0;
-  VINV_ARCHIVE(Wiring, closed, terminal_2_v, terminal_4_ma);
+  port::NetTerminals closed{};
+  std::array<double, kAnalogInputs> analog{};  // V or mA
+  double at(AnalogInput input) const { return analog[static_cast<std::size_t>(input)]; }
+  VINV_ARCHIVE(Wiring, closed, analog);
 };
 
 // Causes that stay until they are taken away.
@@ -41,9 +42,11 @@ struct Causes {
   bool option = false;            // the option board dropped out of its connector
   bool external_thermal = false;  // the thermal relay has opened
   bool pu_disconnected = false;
+  bool thermistor = false;      // the motor's thermistor is hot
+  bool fan = false;             // the fan does not turn
   bool eeprom_damaged = false;  // contents refused at the start; until the next power cycle
   VINV_ARCHIVE(Causes, earth_fault, output_phase_open, brake_transistor, eeprom_write, option, external_thermal,
-               pu_disconnected, eeprom_damaged);
+               pu_disconnected, thermistor, fan, eeprom_damaged);
 };
 
 enum class Screen : std::uint8_t { kMonitor, kFrequency, kJog };
@@ -101,6 +104,7 @@ struct Volatile {
   AnalogFilter input_4;
   AnalogFilter current_monitor;
   drive::Pid pid;
+  bool pid_active = false;  // it controls in this tick
   drive::RemoteSetting remote;
   double panel_frequency_hz = 0;                               // set at the panel; the record keeps what SET stored
   drive::RunDirection direction = drive::RunDirection::kStop;  // commanded in this tick
@@ -115,8 +119,8 @@ struct Volatile {
   double operating_s = 0;  // not yet in the hour meter
   Published published;
   VINV_ARCHIVE(Volatile, mode, ready_at, in_reset, mrs_inverted, panel, network, start_latch, input_2, input_4,
-               current_monitor, pid, remote, panel_frequency_hz, direction, tuned_until_stop, tuning, tuning_status,
-               retry, alarm, mailbox, any_start_signal, storage_failures, operating_s, published);
+               current_monitor, pid, pid_active, remote, panel_frequency_hz, direction, tuned_until_stop, tuning,
+               tuning_status, retry, alarm, mailbox, any_start_signal, storage_failures, operating_s, published);
 };
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,22 +1,21 @@
-// Operation panel of the FR-E500: keys, display, the frequency set at the panel. Typical for the family; keys are
+// Operation panel of the Mitsubishi families: keys, the frequency set at the panel. Typical for the family; keys are
 // presses without release, so that a jog run lasts until STOP.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/parameter_numbers.hpp"
-#include "motor_model/inverter/e500/reset_selection.hpp"
+#include "motor_model/inverter/mitsubishi/inverter.hpp"
+#include "motor_model/inverter/mitsubishi/parameter_numbers.hpp"
+#include "motor_model/inverter/mitsubishi/reset_selection.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 using drive::RunDirection;
 using port::OperationMode;
 
 namespace {
 
-constexpr double kFrequencyStep_hz = 0.1;    // one press of UP or DOWN
-constexpr double kMachineSpeedBase_hz = 60;  // Pr.37 is the machine speed at this frequency
+constexpr double kFrequencyStep_hz = 0.1;  // one press of UP or DOWN
 
 std::string digits(const char* pattern, double value) {
   char text[32];
@@ -26,7 +25,7 @@ std::string digits(const char* pattern, double value) {
 
 }  // namespace
 
-std::string E500Inverter::mode_sentence() const {
+std::string MitsubishiInverter::mode_sentence() const {
   switch (v_.mode) {
     case OperationMode::kExternal: return "it is in external operation";
     case OperationMode::kPu: return "it is in PU operation";
@@ -37,7 +36,7 @@ std::string E500Inverter::mode_sentence() const {
   return "it is in combined operation (Pr.79 = 3 or 4)";
 }
 
-Outcome E500Inverter::press_key(PanelKey key) {
+Outcome MitsubishiInverter::press_key(PanelKey key) {
   if (!control_alive_) return Unexpected(std::string("the panel is dark: the inverter has no supply"));
   if (causes_.pu_disconnected) return Unexpected(std::string("the operation panel is disconnected"));
   if (!ready()) return Unexpected(std::string("the inverter is in start-up or reset"));
@@ -46,6 +45,7 @@ Outcome E500Inverter::press_key(PanelKey key) {
     case PanelKey::kFwd:
     case PanelKey::kRev:
       if (!panel_starts) return Unexpected("FWD and REV start in PU operation; " + mode_sentence());
+      if (auto why = panel_commands()) return Unexpected(*std::move(why));
       if (v_.alarm.row) return Unexpected("there is an alarm, " + alarm_name() + ": reset it first");
       v_.panel.run = key == PanelKey::kFwd ? RunDirection::kForward : RunDirection::kReverse;
       if (!running()) v_.panel.jog_run = v_.panel.screen == Screen::kJog && v_.mode == OperationMode::kPu;
@@ -66,20 +66,13 @@ Outcome E500Inverter::press_key(PanelKey key) {
       }
       if (v_.direction != RunDirection::kStop || running()) v_.panel.stopped_by_panel = true;
       return {};
-    case PanelKey::kPuExt: {
+    case PanelKey::kPuExt:
       if (v_.panel.stopped_by_panel) {
         if (v_.any_start_signal) return Unexpected(std::string("PS: the start signals must be off first"));
         v_.panel.stopped_by_panel = false;
         return {};
       }
-      const auto next = request_mode(v_.mode, ModeRequest::kPanelKey, mode_situation());
-      if (!next) {
-        return Unexpected("the operation mode changes while stopped, with the start signals off and as Pr.79 (now " +
-                          std::to_string(store_.integer(pr::kOperationMode)) + ") allows; " + mode_sentence());
-      }
-      change_mode(*next);
-      return {};
-    }
+      return panel_mode_key();
     case PanelKey::kUp:
     case PanelKey::kDown: {
       const double step = key == PanelKey::kUp ? kFrequencyStep_hz : -kFrequencyStep_hz;
@@ -87,7 +80,7 @@ Outcome E500Inverter::press_key(PanelKey key) {
         v_.panel.edited_hz = std::clamp(v_.panel.edited_hz + step, 0.0, maximum_frequency_hz(store_));
         return {};
       }
-      if (v_.mode != OperationMode::kPu && v_.mode != OperationMode::kCombined1) {
+      if (!panel_sets_speed()) {
         return Unexpected("the panel sets the frequency in PU operation or with Pr.79 = 3; " + mode_sentence());
       }
       v_.panel_frequency_hz = std::clamp(v_.panel_frequency_hz + step, 0.0, maximum_frequency_hz(store_));
@@ -100,7 +93,8 @@ Outcome E500Inverter::press_key(PanelKey key) {
           v_.panel.edited_hz = v_.panel_frequency_hz;
           break;
         case Screen::kFrequency:
-          v_.panel.screen = v_.mode == OperationMode::kPu && !running() ? Screen::kJog : Screen::kMonitor;
+          v_.panel.screen =
+              v_.mode == OperationMode::kPu && !running() && jog_by_mode_key() ? Screen::kJog : Screen::kMonitor;
           break;
         case Screen::kJog:
           if (v_.panel.run != RunDirection::kStop || running())
@@ -118,10 +112,10 @@ Outcome E500Inverter::press_key(PanelKey key) {
   return {};
 }
 
-Outcome E500Inverter::set_panel_frequency(double hz) {
+Outcome MitsubishiInverter::set_panel_frequency(double hz) {
   if (!ready()) return Unexpected(std::string("the inverter has no supply or is in start-up or reset"));
   if (causes_.pu_disconnected) return Unexpected(std::string("the operation panel is disconnected"));
-  if (v_.mode != OperationMode::kPu && v_.mode != OperationMode::kCombined1) {
+  if (!panel_sets_speed()) {
     return Unexpected("the panel sets the frequency in PU operation or with Pr.79 = 3; " + mode_sentence());
   }
   const double highest = maximum_frequency_hz(store_);
@@ -132,27 +126,18 @@ Outcome E500Inverter::set_panel_frequency(double hz) {
   return {};
 }
 
-std::string E500Inverter::display() const {
-  if (!control_alive_) return "";
-  if (v_.in_reset) return "Err.";
-  if (now_ < v_.ready_at) return "----";
-  if (v_.alarm.row) return alarm_name();
-  if (v_.panel.stopped_by_panel) return "PS";
-  if (v_.panel.screen == Screen::kFrequency) return digits("%.2f", v_.panel.edited_hz);
-  if (v_.panel.screen == Screen::kJog && !running()) return "JOG";
-  const Published& p = v_.published;
-  if (v_.panel.monitor == 1) return digits("%.2f", p.output_current / 100.0);
-  if (v_.panel.monitor == 2) return digits("%.1f", p.output_voltage / 10.0);
-  const int selection = store_.integer(pr::kDisplay);
-  if (selection == 23) {
-    const auto seconds = static_cast<double>(record_.operating_seconds) + v_.operating_s;
-    return digits("%.0f", std::floor(seconds / 3600));
+Outcome MitsubishiInverter::panel_mode_key() {
+  const auto next = requested_mode(ModeRequest::kPanelKey);
+  if (!next) {
+    return Unexpected("the operation mode changes while stopped, with the start signals off and as Pr.79 (now " +
+                      std::to_string(store_.integer(pr::kOperationMode)) + ") allows; " + mode_sentence());
   }
-  double hz = p.output_frequency / 100.0;
-  if (selection == 100 && !p.status.running) hz = p.set_frequency_hz;
-  const double machine_speed = store_.value(pr::kSpeedDisplay);
-  if (machine_speed > 0) return digits("%.1f", machine_speed * hz / kMachineSpeedBase_hz);
-  return digits("%.2f", hz);
+  change_mode(*next);
+  return {};
 }
 
-}  // namespace vinv::inverter::e500
+bool MitsubishiInverter::panel_sets_speed() const {
+  return v_.mode == OperationMode::kPu || v_.mode == OperationMode::kCombined1;
+}
+
+}  // namespace vinv::inverter::mitsubishi

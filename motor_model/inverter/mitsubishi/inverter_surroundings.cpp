@@ -1,54 +1,14 @@
-// Construction of an FR-E500, its terminals, supply, injected faults and live signals.
+// Construction of a Mitsubishi inverter, its terminals, supply, injected faults and live signals.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/parameter_numbers.hpp"
-#include "vinv_inverter_data.hpp"
+#include "motor_model/inverter/mitsubishi/inverter.hpp"
+#include "motor_model/inverter/mitsubishi/parameter_numbers.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 namespace {
-
-struct TerminalName {
-  std::string_view name;
-  Terminal terminal;
-};
-constexpr std::array<TerminalName, kTerminalCount> kInputs{{
-    {"STF", kStf},
-    {"STR", kStr},
-    {"RL", kRl},
-    {"RM", kRm},
-    {"RH", kRh},
-    {"MRS", kMrs},
-    {"RES", kRes},
-}};
-struct OutputName {
-  std::string_view name;
-  unsigned function;
-};
-constexpr std::array<OutputName, 3> kOutputs{{
-    {"RUN", pr::kRunFunction},
-    {"FU", pr::kFuFunction},
-    {"ABC", pr::kAbcFunction},
-}};
-constexpr double kMostVoltage_v = 10;
-constexpr double kMostCurrent_ma = 20;
-
-struct CauseName {
-  std::string_view name;
-  bool Causes::*cause;
-};
-constexpr std::array<CauseName, 7> kCauses{{
-    {"earth_fault", &Causes::earth_fault},
-    {"output_phase_open", &Causes::output_phase_open},
-    {"brake_transistor", &Causes::brake_transistor},
-    {"eeprom_write", &Causes::eeprom_write},
-    {"option", &Causes::option},
-    {"external_thermal", &Causes::external_thermal},
-    {"pu_disconnected", &Causes::pu_disconnected},
-}};
 
 plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, double nominal_mains_v_rms) {
   plant::PlantConfig p;
@@ -79,14 +39,10 @@ double nominal_mains(const InverterConfig& c, const ModelRow& m) {
 
 }  // namespace
 
-const FamilyData& family_data() {
-  static const FamilyData data = load_family({data::mitsubishi_e500_parameters, data::mitsubishi_e500_alarms,
-                                              data::mitsubishi_e500_terminals, data::mitsubishi_e500_models});
-  return data;
-}
-
-E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model, ParameterStore store)
-    : data_(family_data()),
+MitsubishiInverter::MitsubishiInverter(const Personality& personality, const InverterConfig& config,
+                                       const ModelRow& model, ParameterStore store)
+    : personality_(personality),
+      data_(*personality.data),
       model_(model),
       option_fitted_(config.option_fitted),
       nominal_mains_v_rms_(nominal_mains(config, model)),
@@ -98,47 +54,55 @@ E500Inverter::E500Inverter(const InverterConfig& config, const ModelRow& model, 
 
 // --- terminals ---
 
-Outcome E500Inverter::set_terminal(std::string_view terminal, bool on) {
-  for (const auto& [name, index] : kInputs) {
-    if (name == terminal) {
-      wiring_.closed[index] = on;
+Outcome MitsubishiInverter::set_terminal(std::string_view terminal, bool on) {
+  std::string known;
+  for (const InputTerminal& input : personality_.inputs) {
+    if (input.name == terminal) {
+      wiring_.closed.set(input.bit, on);
       return {};
     }
+    known += (known.empty() ? "" : ", ") + std::string(input.name);
   }
-  std::string known;
-  for (const auto& input : kInputs) known += (known.empty() ? "" : ", ") + std::string(input.name);
   std::string text = "there is no input terminal " + std::string(terminal) + "; there are " + known;
   const bool function = std::any_of(data_.signals.inputs().begin(), data_.signals.inputs().end(),
                                     [&](const TerminalFunction& f) { return f.signal == terminal; });
-  if (function) text += "; " + std::string(terminal) + " is a function that Pr.180-183 give to RL, RM, RH or MRS";
+  if (function)
+    text += "; " + std::string(terminal) + " is a function that " + std::string(personality_.input_functions);
   return Unexpected(text);
 }
 
-Outcome E500Inverter::set_analog(std::string_view terminal, double value) {
-  const auto within = [&](double most, double& target, std::string_view unit) -> Outcome {
-    if (!(value >= 0 && value <= most)) {
-      return Unexpected("terminal " + std::string(terminal) + " takes 0 to " + std::to_string(static_cast<int>(most)) +
-                        " " + std::string(unit));
+Outcome MitsubishiInverter::set_analog(std::string_view terminal, double value) {
+  std::string known;
+  for (const AnalogTerminal& input : personality_.analogs) {
+    known += (known.empty() ? "" : " and ") + std::string(input.name) + " (" + std::string(input.unit) + ")";
+    if (input.name != terminal) continue;
+    if (!(value >= input.minimum && value <= input.maximum)) {
+      return Unexpected("terminal " + std::string(terminal) + " takes " +
+                        std::to_string(static_cast<int>(input.minimum)) + " to " +
+                        std::to_string(static_cast<int>(input.maximum)) + " " + std::string(input.unit));
     }
-    target = value;
+    wiring_.analog[static_cast<std::size_t>(input.input)] = value;
     return {};
-  };
-  if (terminal == "2") return within(kMostVoltage_v, wiring_.terminal_2_v, "V");
-  if (terminal == "4") return within(kMostCurrent_ma, wiring_.terminal_4_ma, "mA");
-  return Unexpected("there is no analog input " + std::string(terminal) + "; there are 2 (V) and 4 (mA)");
+  }
+  return Unexpected("there is no analog input " + std::string(terminal) + "; there are " + known);
 }
 
-std::vector<std::pair<std::string_view, bool>> E500Inverter::terminals() const {
+std::vector<std::pair<std::string_view, bool>> MitsubishiInverter::terminals() const {
   std::vector<std::pair<std::string_view, bool>> out;
-  for (const auto& [name, index] : kInputs) out.emplace_back(name, wiring_.closed[index]);
-  for (const auto& [name, function] : kOutputs) {
-    const auto signal = data_.signals.output(store_.integer(function));
-    out.emplace_back(name, control_alive_ && signal && v_.published.outputs.has(signal->signal));
+  for (const InputTerminal& input : personality_.inputs) out.emplace_back(input.name, wiring_.closed.has(input.bit));
+  for (std::size_t i = 0; i < personality_.outputs.size(); ++i) {
+    const OutputTerminal& output = personality_.outputs[i];
+    const auto function = data_.signals.output(store_.integer(output.function));
+    out.emplace_back(output.name, control_alive_ && function && output_on(i, function->signal) != function->inverted);
   }
   return out;
 }
 
-std::vector<std::string_view> E500Inverter::analog_terminals() const { return {"2", "4"}; }
+std::vector<std::string_view> MitsubishiInverter::analog_terminals() const {
+  std::vector<std::string_view> out;
+  for (const AnalogTerminal& input : personality_.analogs) out.push_back(input.name);
+  return out;
+}
 
 // --- supply ---
 
@@ -152,27 +116,29 @@ double rectified_v(const plant::MainsState& mains) {
 
 }  // namespace
 
-void E500Inverter::set_power(bool on) {
+void MitsubishiInverter::set_power(bool on) {
   breaker_ = on;
   plant::MainsState mains = mains_;
   if (!on) mains.voltage_v_rms = 0;
   plant_.set_mains(mains);
 }
 
-void E500Inverter::set_mains(const plant::MainsState& mains) {
+void MitsubishiInverter::set_mains(const plant::MainsState& mains) {
   mains_ = mains;
   set_power(breaker_);
 }
 
-bool E500Inverter::powered() const { return control_alive_ || (breaker_ && rectified_v(mains_) > model_.control_on_v); }
+bool MitsubishiInverter::powered() const {
+  return control_alive_ || (breaker_ && rectified_v(mains_) > model_.control_on_v);
+}
 
 // --- faults ---
 
-Outcome E500Inverter::inject_fault(std::string_view fault, bool on) {
-  for (const auto& [name, cause] : kCauses) {
+Outcome MitsubishiInverter::inject_fault(std::string_view fault, bool on) {
+  for (const auto& [name, cause] : personality_.causes) {
     if (name != fault) continue;
     if (name == "external_thermal" && on && !has_function(InputSignal::kOh)) {
-      return Unexpected(std::string("no terminal has the function OH: set one of Pr.180-183 to 7"));
+      return Unexpected(std::string("no terminal has the function OH: give it to one with the setting 7"));
     }
     if (name == "option" && on && !option_fitted_) return Unexpected(std::string("no option board is fitted"));
     causes_.*cause = on;
@@ -192,18 +158,24 @@ Outcome E500Inverter::inject_fault(std::string_view fault, bool on) {
   return {};
 }
 
-std::vector<std::string_view> E500Inverter::injectable_faults() const {
+std::vector<std::string_view> MitsubishiInverter::injectable_faults() const {
   std::vector<std::string_view> out;
-  for (const auto& cause : kCauses) out.push_back(cause.name);
+  for (const auto& cause : personality_.causes) out.push_back(cause.name);
   for (const AlarmRow& row : data_.alarms.rows()) out.push_back(row.name);
   return out;
 }
 
-std::string E500Inverter::alarm_name() const { return v_.alarm.row ? data_.alarms.rows()[*v_.alarm.row].name : ""; }
+std::string MitsubishiInverter::alarm_name() const {
+  return v_.alarm.row ? data_.alarms.rows()[*v_.alarm.row].name : "";
+}
+
+SettingsSurroundings MitsubishiInverter::surroundings() const {
+  return {&model_, &data_.models, nominal_mains_v_rms_, brake_resistor_};
+}
 
 // --- live values ---
 
-std::vector<SignalValue> E500Inverter::signals() const {
+std::vector<SignalValue> MitsubishiInverter::signals() const {
   const plant::PlantMeasurements& m = plant_.measurements();
   const drive::DriveOutputs& out = core_.outputs();
   const Published& p = v_.published;
@@ -237,13 +209,14 @@ std::vector<SignalValue> E500Inverter::signals() const {
 
 // --- factory ---
 
-Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& config) {
-  const FamilyData& data = family_data();
+Result<Prepared, std::string> prepare(const Personality& personality, const InverterConfig& config) {
+  const FamilyData& data = *personality.data;
   const ModelRow* model = find_model(data.models, config.model);
   if (model == nullptr) {
     std::string known;
     for (const ModelRow& m : data.models) known += (known.empty() ? "" : ", ") + m.model;
-    return Unexpected("family fr-e500 has no model " + config.model + "; there are " + known);
+    return Unexpected("family " + std::string(personality.family) + " has no model " + config.model + "; there are " +
+                      known);
   }
   if (const auto ok = plant::validate(config.motor); !ok) return Unexpected("motor: " + ok.error());
   if (const auto ok = plant::validate(config.load); !ok) return Unexpected("load: " + ok.error());
@@ -267,7 +240,7 @@ Result<std::unique_ptr<Inverter>, std::string> make_e500(const InverterConfig& c
     if (!raw) return Unexpected("factory value: " + raw.error());
     store.set_factory(*row, *raw);
   }
-  return std::unique_ptr<Inverter>(std::make_unique<E500Inverter>(config, *model, std::move(store)));
+  return Prepared{model, std::move(store)};
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

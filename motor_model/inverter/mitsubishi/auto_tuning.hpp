@@ -1,5 +1,5 @@
-// Auto tuning of the FR-E500 (Pr.96): a direct current through the standing motor gives its stator resistance (Pr.90).
-// Typical for the family; the times are chosen.
+// Auto tuning of the Mitsubishi families (Pr.96): a direct current through the standing motor gives its stator
+// resistance (Pr.90). Typical for the family; the times are chosen.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include "motor_model/plant/power_plant.hpp"
 #include "sim/base/archive.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 // What Pr.96 reads.
 enum class TuningStatus : std::uint8_t { kOff = 0, kArmed = 1, kRunning = 2, kDone = 3, kStopped = 8, kAlarm = 9 };
@@ -35,4 +35,4 @@ class AutoTuning {
   VINV_ARCHIVE(AutoTuning, running_, elapsed_s_, voltage_peak_v_, sum_voltage_, sum_current_, resistance_ohm_);
 };
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

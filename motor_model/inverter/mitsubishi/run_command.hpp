@@ -4,7 +4,7 @@
 #include "motor_model/drive/drive_core.hpp"
 #include "sim/base/archive.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 // What Pr.250 says.
 struct StopSelection {
@@ -37,4 +37,4 @@ class StartLatch {
 // Pr.78: 1 forbids reverse, 2 forbids forward.
 drive::RunDirection permitted(drive::RunDirection wanted, int raw_pr78);
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,12 +1,12 @@
-// One control tick of the FR-E500: supply, resets, mailbox, modes, core, stage, monitors.
+// One control tick of a Mitsubishi inverter: supply, resets, mailbox, modes, core, stage, monitors.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "motor_model/inverter/mitsubishi/inverter.hpp"
+#include "motor_model/inverter/mitsubishi/parameter_numbers.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 namespace {
 
 using drive::RunDirection;
@@ -15,7 +15,6 @@ using port::OperationMode;
 
 constexpr double kPeriod_s = to_seconds(Inverter::kControlPeriod);
 constexpr double kCurrentMonitor_s = 0.1;  // filter of the current monitor
-constexpr double kAmFullScale_v = 10;
 constexpr std::int64_t kHourMeterSaved_s = 3600;
 // Fan: all typical for the family. While stopped with Pr.244 = 1 it runs only until the heat sink has cooled down.
 constexpr double kResistanceInStillAir = 3;  // of the heat sink's with the fan
@@ -26,7 +25,7 @@ std::uint16_t to_word(double value) { return static_cast<std::uint16_t>(std::cla
 
 }  // namespace
 
-void E500Inverter::tick(Instant now) {
+void MitsubishiInverter::tick(Instant now) {
   now_ = now;
   follow_supply();
   plant::StageInput stage;
@@ -46,7 +45,7 @@ void E500Inverter::tick(Instant now) {
   if (snapshot_grid_ > Duration{} && now.time_since_epoch() % snapshot_grid_ == Duration{}) plant_.restart_solver();
 }
 
-void E500Inverter::follow_supply() {
+void MitsubishiInverter::follow_supply() {
   const double dc_link_v = plant_.measurements().dc_link_v;
   if (control_alive_ && dc_link_v < model_.control_off_v) {
     control_alive_ = false;
@@ -55,6 +54,7 @@ void E500Inverter::follow_supply() {
       if (remote != record_.remote_frequency) eeprom_changed_ = true;
       record_.remote_frequency = remote;
     }
+    stop_family(record_);
     if (v_.operating_s > 0) eeprom_changed_ = true;
     record_.operating_seconds += std::llround(v_.operating_s);
     // The refused contents are gone; what is written from now on are the values that stand in RAM since then.
@@ -76,8 +76,8 @@ void E500Inverter::follow_supply() {
   }
 }
 
-void E500Inverter::follow_reset_terminal() {
-  const bool closed = wiring_.closed[kRes];
+void MitsubishiInverter::follow_reset_terminal() {
+  const bool closed = assigned(wiring_.closed).has(InputSignal::kRes);
   if (closed && !v_.in_reset && reset_accepted()) {
     begin_reset();
     v_.in_reset = true;
@@ -87,14 +87,14 @@ void E500Inverter::follow_reset_terminal() {
   v_.ready_at = now_ + kResetTime;
 }
 
-void E500Inverter::follow_mode() {
-  const OperationMode next = follow_settings(v_.mode, mode_situation());
+void MitsubishiInverter::follow_mode() {
+  const OperationMode next = mode_by_settings();
   if (next != v_.mode) change_mode(next);
   // The sense of MRS follows Pr.17 only at rest (OI-FR-E5NCO manual 5.1, note).
-  if (!running() && !v_.any_start_signal) v_.mrs_inverted = store_.integer(pr::kMrsSense) == 2;
+  if (!running() && !v_.any_start_signal) v_.mrs_inverted = store_.integer(pr::kMrsSense) != 0;
 }
 
-void E500Inverter::change_mode(OperationMode next) {
+void MitsubishiInverter::change_mode(OperationMode next) {
   // With Pr.79 = 6 the motor may be running: direction and frequency are taken over by the new source.
   const RunDirection direction = v_.direction;
   const double frequency_hz = v_.published.set_frequency_hz;
@@ -114,16 +114,16 @@ void E500Inverter::change_mode(OperationMode next) {
   }
 }
 
-const drive::DriveSettings& E500Inverter::settings_for(const SettingsSelection& selection) {
+const drive::DriveSettings& MitsubishiInverter::settings_for(const SettingsSelection& selection) {
   if (settings_revision_ != store_.revision() || !(settings_selection_ == selection)) {
-    settings_ = make_settings(store_, selection, {&model_, &data_.models, nominal_mains_v_rms_, brake_resistor_});
+    settings_ = make_settings(selection);
     settings_revision_ = store_.revision();
     settings_selection_ = selection;
   }
   return settings_;
 }
 
-plant::StageInput E500Inverter::tune(const Inputs& inputs) {
+plant::StageInput MitsubishiInverter::tune(const Inputs& inputs) {
   if (v_.alarm.row || inputs.direction == RunDirection::kStop || inputs.output_stop) {
     v_.tuning.abort();
     v_.tuning_status = v_.alarm.row ? TuningStatus::kAlarm : TuningStatus::kStopped;
@@ -139,12 +139,10 @@ plant::StageInput E500Inverter::tune(const Inputs& inputs) {
   return {};
 }
 
-plant::StageInput E500Inverter::control() {
+plant::StageInput MitsubishiInverter::control() {
   const Inputs in = read_inputs();
   v_.direction = in.direction;
-  const bool jog = v_.mode == OperationMode::kPu && v_.panel.jog_run;
-  const auto& settings =
-      settings_for({in.signals.has(InputSignal::kRt) && !jog, jog, in.signals.has(InputSignal::kX18)});
+  const auto& settings = settings_for(selection(in));
   const double set_hz = set_frequency(in);
   v_.published.set_frequency_hz = std::min(set_hz, settings.max_frequency_hz);
 
@@ -191,6 +189,7 @@ plant::StageInput E500Inverter::control() {
       sensors.comparator_after = event.after;
     }
   }
+  add_command(command, sensors);
   const drive::DriveOutputs& out = core_.tick(kControlPeriod, settings, command, sensors);
   if (out.trip) raise_trip(*out.trip);
   if (v_.tuning.running()) return tune(in);
@@ -205,7 +204,7 @@ plant::StageInput E500Inverter::control() {
   return stage;
 }
 
-void E500Inverter::publish() {
+void MitsubishiInverter::publish() {
   Published& p = v_.published;
   if (!control_alive_) {
     p = Published{};
@@ -223,11 +222,11 @@ void E500Inverter::publish() {
   p.status.power_failure = out.power_failure;
   p.status.frequency_detected = out.frequency_detected;
   p.status.alarm = alarm_output;
+  p.status.stopping = out.running && v_.direction == RunDirection::kStop;
   p.status.ready = ready() && !v_.alarm.row && m.dc_link_v > model_.under_voltage_v;
 
   p.output_frequency = to_word(std::abs(out.output_frequency_hz) * 100);
-  const double current = v_.current_monitor.step(m.output_current_a_rms, kPeriod_s, kCurrentMonitor_s);
-  p.output_current = to_word(current * 100);
+  p.output_current = to_word(v_.current_monitor.step(m.output_current_a_rms, kPeriod_s, kCurrentMonitor_s) * 100);
   p.output_voltage = to_word(m.gates_on ? m.output_voltage_v_rms * 10 : 0);
 
   OutputSignals o;
@@ -238,23 +237,16 @@ void E500Inverter::publish() {
   o.set(OutputSignal::kRy, p.status.ready);
   o.set(OutputSignal::kY12, out.current_detected);
   o.set(OutputSignal::kY13, out.zero_current);
-  const bool pid = store_.integer(pr::kPidAction) != 0 && v_.direction != RunDirection::kStop;
-  o.set(OutputSignal::kFdn, pid && v_.pid.below_lower_limit());
-  o.set(OutputSignal::kFup, pid && v_.pid.above_upper_limit());
-  o.set(OutputSignal::kPidForward, pid && p.status.forward);
+  o.set(OutputSignal::kFdn, v_.pid_active && v_.pid.below_lower_limit());
+  o.set(OutputSignal::kFup, v_.pid_active && v_.pid.above_upper_limit());
+  o.set(OutputSignal::kPidForward, v_.pid_active && p.status.forward);
   o.set(OutputSignal::kLf, v_.network.communication_lost);
   o.set(OutputSignal::kAbc, alarm_output);
+  publish_family(o);
   p.outputs = o;
 
-  double share = 0;
-  const auto ratio = [](double value, double full_scale) { return full_scale > 0 ? value / full_scale : 0; };
-  switch (store_.integer(pr::kAmSelection)) {
-    case 1: share = ratio(current, store_.value(pr::kCurrentFullScale)); break;
-    case 2: share = ratio(m.gates_on ? m.output_voltage_v_rms : 0, 2 * model_.voltage_class_v); break;
-    default: share = ratio(std::abs(out.output_frequency_hz), store_.value(pr::kFrequencyFullScale));
-  }
-  p.am_v = std::clamp(share * kAmFullScale_v * store_.value(pr::kAmCalibration) / 100, 0.0, kAmFullScale_v);
-  p.fan = store_.integer(pr::kFan) == 0 || m.gates_on || m.heat_sink_c > (p.fan ? kFanOff_c : kFanOn_c);
+  p.fan =
+      !causes_.fan && (store_.integer(pr::kFan) == 0 || m.gates_on || m.heat_sink_c > (p.fan ? kFanOff_c : kFanOn_c));
 
   if (p.status.running) v_.operating_s += kPeriod_s;
   if (v_.operating_s >= kHourMeterSaved_s) {
@@ -264,4 +256,4 @@ void E500Inverter::publish() {
   }
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,8 +1,8 @@
-#include "motor_model/inverter/e500/multi_speed.hpp"
+#include "motor_model/inverter/mitsubishi/multi_speed.hpp"
 
-#include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "motor_model/inverter/mitsubishi/parameter_numbers.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 namespace {
 
 // Parameter by RL | RM << 1 | RH << 2 | REX << 3; 0 stands for none.
@@ -43,4 +43,4 @@ std::optional<double> multi_speed_hz(const ParameterStore& parameters, InputSign
   return std::nullopt;
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,6 +1,6 @@
-#include "motor_model/inverter/e500/run_command.hpp"
+#include "motor_model/inverter/mitsubishi/run_command.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 using drive::RunDirection;
 
@@ -44,4 +44,4 @@ RunDirection permitted(RunDirection wanted, int raw_pr78) {
   return wanted;
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,10 +1,11 @@
-// Parameters and EEPROM of the FR-E500: writes with their side effects, clears, user groups, the EEPROM text.
+// Parameters and EEPROM of the Mitsubishi families: writes with their side effects, clears, user groups, the EEPROM
+// text.
 #include <cmath>
 
-#include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "motor_model/inverter/mitsubishi/inverter.hpp"
+#include "motor_model/inverter/mitsubishi/parameter_numbers.hpp"
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 
 using port::Refusal;
 
@@ -23,7 +24,7 @@ std::string not_in_group(const ParameterRow& row) {
 
 }  // namespace
 
-AccessSituation E500Inverter::access(Writer writer) const {
+AccessSituation MitsubishiInverter::access(Writer writer) const {
   AccessSituation s;
   s.writer = writer;
   s.mode = v_.mode;
@@ -32,21 +33,11 @@ AccessSituation E500Inverter::access(Writer writer) const {
   return s;
 }
 
-bool E500Inverter::in_user_group(unsigned number) const {
-  const int selection = store_.integer(pr::kUserGroup);
-  // Pr.77 and Pr.160 themselves stay in reach.
-  if (selection == 0 || number == pr::kUserGroup || number == pr::kWriteDisable) return true;
-  const auto n = static_cast<std::uint16_t>(number);
-  const bool first = selection == 1 || selection == 11;
-  const bool second = selection == 10 || selection == 11;
-  return (first && record_.groups[0].contains(n)) || (second && record_.groups[1].contains(n));
-}
-
-std::int32_t E500Inverter::shown_raw(std::size_t row) const {
+std::int32_t MitsubishiInverter::shown_raw(std::size_t row) const {
   const ParameterRow& r = data_.parameters.rows()[row];
   switch (r.kind) {
     case ParameterKind::kManufacturer: return 0;
-    case ParameterKind::kCommand: return r.id.number == pr::kRetryCount ? record_.retry_count : 0;
+    case ParameterKind::kCommand: return command_value(r.id.number);
     case ParameterKind::kOrdinary: break;
   }
   if (r.id.number == pr::kAutoTuning && v_.tuning_status != TuningStatus::kOff) {
@@ -55,59 +46,33 @@ std::int32_t E500Inverter::shown_raw(std::size_t row) const {
   return store_.raw(row);
 }
 
-void E500Inverter::eeprom_written() {
+void MitsubishiInverter::eeprom_written() {
   eeprom_changed_ = true;
   if (!causes_.eeprom_write || !control_alive_) return;
   ++v_.storage_failures;
   raise("E.PE", "a write to the parameter storage failed");
 }
 
-std::optional<Refusal> E500Inverter::command_parameter(unsigned number, std::int32_t raw) {
-  const auto group = [&](std::size_t index, bool add) -> std::optional<Refusal> {
-    UserGroup& g = record_.groups[index];
-    if (!add && raw == kRaw9999) {
-      g.clear();
-      return std::nullopt;
-    }
-    if (!data_.parameters.has_number(static_cast<std::uint32_t>(raw))) return Refusal::kOutOfRange;
-    const auto n = static_cast<std::uint16_t>(raw);
-    if (!add) {
-      g.remove(n);
-      return std::nullopt;
-    }
-    return g.add(n) ? std::nullopt : std::optional(Refusal::kOutOfRange);
-  };
-  switch (number) {
-    case pr::kRetryCount: record_.retry_count = 0; break;
-    case pr::kHourMeterClear:
-      record_.operating_seconds = 0;
-      v_.operating_s = 0;
-      break;
-    case pr::kGroup1Add: return group(0, true);
-    case pr::kGroup1Remove: return group(0, false);
-    case pr::kGroup2Add: return group(1, true);
-    case pr::kGroup2Remove: return group(1, false);
-    default: break;
+std::optional<Refusal> MitsubishiInverter::group_command(std::size_t group, bool add, std::int32_t raw) {
+  UserGroup& g = record_.groups[group];
+  if (!add && raw == kRaw9999) {
+    g.clear();
+    return std::nullopt;
   }
-  return std::nullopt;
+  if (!data_.parameters.has_number(static_cast<std::uint32_t>(raw))) return Refusal::kOutOfRange;
+  const auto n = static_cast<std::uint16_t>(raw);
+  if (!add) {
+    g.remove(n);
+    return std::nullopt;
+  }
+  return g.add(n) ? std::nullopt : std::optional(Refusal::kOutOfRange);
 }
 
-// Pr.38 and Pr.903 (frequency) are one value, as are Pr.39 and Pr.905: the full scale that OI-FR-E5NCO manual 8.7.8
-// says both establish.
-void E500Inverter::link_calibration(unsigned number, Storage storage) {
-  const auto copy = [&](port::ParameterId from, port::ParameterId to) {
-    store_.write(*data_.parameters.index(to), store_.raw(*data_.parameters.index(from)), storage);
-  };
-  switch (number) {
-    case pr::kVoltageInputGain: copy({pr::kVoltageInputGain, 0}, {pr::kVoltageGain, 1}); break;
-    case pr::kVoltageGain: copy({pr::kVoltageGain, 1}, {pr::kVoltageInputGain, 0}); break;
-    case pr::kCurrentInputGain: copy({pr::kCurrentInputGain, 0}, {pr::kCurrentGain, 1}); break;
-    case pr::kCurrentGain: copy({pr::kCurrentGain, 1}, {pr::kCurrentInputGain, 0}); break;
-    default: break;
-  }
+void MitsubishiInverter::copy_parameter(port::ParameterId from, port::ParameterId to, Storage storage) {
+  store_.write(*data_.parameters.index(to), store_.raw(*data_.parameters.index(from)), storage);
 }
 
-std::optional<Refusal> E500Inverter::write_parameter(std::size_t row, std::int32_t raw, Storage storage) {
+std::optional<Refusal> MitsubishiInverter::write_parameter(std::size_t row, std::int32_t raw, Storage storage) {
   const ParameterRow& r = data_.parameters.rows()[row];
   const unsigned number = r.id.number;
   if (r.kind == ParameterKind::kCommand) {
@@ -115,29 +80,30 @@ std::optional<Refusal> E500Inverter::write_parameter(std::size_t row, std::int32
     eeprom_written();
     return std::nullopt;
   }
+  if (r.ram_only) storage = Storage::kRamOnly;
   // With a storage that cannot be written the value acts until the next power-off.
   if (causes_.eeprom_write && control_alive_ && storage == Storage::kRamAndEeprom) {
     store_.write(row, raw, Storage::kRamOnly);
-    link_calibration(number, Storage::kRamOnly);
+    link_parameters(number, Storage::kRamOnly);
     ++v_.storage_failures;
     raise("E.PE", "writing " + r.label + " to the parameter storage failed");
   } else {
     store_.write(row, raw, storage);
-    link_calibration(number, storage);
+    link_parameters(number, storage);
     if (storage == Storage::kRamAndEeprom) eeprom_written();
   }
   if (number == pr::kAutoTuning) v_.tuning_status = TuningStatus::kOff;
   return std::nullopt;
 }
 
-void E500Inverter::clear_parameters(ClearKind kind) {
-  store_.clear(kind);
+void MitsubishiInverter::clear_parameters(ClearKind kind, bool communication_too) {
+  store_.clear(kind, communication_too);
   record_.groups = {};
   v_.tuning_status = TuningStatus::kOff;
   eeprom_written();
 }
 
-void E500Inverter::store_tuned_resistance(double ohm) {
+void MitsubishiInverter::store_tuned_resistance(double ohm) {
   const auto row = data_.parameters.index(port::ParameterId{pr::kMotorR1, 0});
   const auto raw = static_cast<std::int32_t>(std::lround(ohm * 1000));
   const ParameterRow& r = data_.parameters.rows()[*row];
@@ -145,13 +111,13 @@ void E500Inverter::store_tuned_resistance(double ohm) {
 }
 
 // Pr.96 goes back to 0, so that the next start runs the motor; its status is read until it is written again.
-void E500Inverter::finish_tuning() {
+void MitsubishiInverter::finish_tuning() {
   const TuningStatus status = v_.tuning_status;
   write_parameter(*data_.parameters.index(port::ParameterId{pr::kAutoTuning, 0}), 0, Storage::kRamAndEeprom);
   v_.tuning_status = status;
 }
 
-Outcome E500Inverter::write_from_panel(std::size_t row, double value) {
+Outcome MitsubishiInverter::write_from_panel(std::size_t row, double value) {
   const ParameterRow& r = data_.parameters.rows()[row];
   AccessSituation situation = access(Writer::kPanel);
   situation.in_user_group = in_user_group(r.id.number);
@@ -175,7 +141,7 @@ Outcome E500Inverter::write_from_panel(std::size_t row, double value) {
   return {};
 }
 
-Outcome E500Inverter::set_parameter(std::string_view name, double value) {
+Outcome MitsubishiInverter::set_parameter(std::string_view name, double value) {
   if (!ready()) return Unexpected(std::string("the inverter has no supply or is in start-up or reset"));
   if (causes_.pu_disconnected) return Unexpected(std::string("the operation panel is disconnected"));
   const bool clear = name == "Pr.CL";
@@ -202,7 +168,7 @@ Outcome E500Inverter::set_parameter(std::string_view name, double value) {
   return write_from_panel(*row, value);
 }
 
-Result<double, std::string> E500Inverter::get_parameter(std::string_view name) const {
+Result<double, std::string> MitsubishiInverter::get_parameter(std::string_view name) const {
   const auto row = data_.parameters.index(name);
   if (!row) return Unexpected("there is no parameter " + std::string(name) + " (write Pr.7, or Pr.902.1)");
   const ParameterRow& r = data_.parameters.rows()[*row];
@@ -210,7 +176,7 @@ Result<double, std::string> E500Inverter::get_parameter(std::string_view name) c
   return store_.physical(*row, shown_raw(*row));
 }
 
-Outcome E500Inverter::preset_parameter(std::string_view name, double value) {
+Outcome MitsubishiInverter::preset_parameter(std::string_view name, double value) {
   const auto row = data_.parameters.index(name);
   if (!row) return Unexpected("there is no parameter " + std::string(name) + " (write Pr.7, or Pr.902.1)");
   const ParameterRow& r = data_.parameters.rows()[*row];
@@ -223,7 +189,7 @@ Outcome E500Inverter::preset_parameter(std::string_view name, double value) {
   return {};
 }
 
-std::vector<ParameterInfo> E500Inverter::parameters() const {
+std::vector<ParameterInfo> MitsubishiInverter::parameters() const {
   std::vector<ParameterInfo> out;
   const auto& rows = data_.parameters.rows();
   out.reserve(rows.size());
@@ -253,20 +219,21 @@ std::vector<ParameterInfo> E500Inverter::parameters() const {
   return out;
 }
 
-std::string E500Inverter::eeprom_text() const {
+std::string MitsubishiInverter::eeprom_text() const {
   EepromRecord record = record_;
   record.operating_seconds += static_cast<std::int64_t>(v_.operating_s);
-  return emit_eeprom({kFamily, model_.model}, store_, data_.alarms, record);
+  count_family(record);
+  return emit_eeprom({personality_.family, model_.model, personality_.counters}, store_, data_.alarms, record);
 }
 
-bool E500Inverter::take_eeprom_changed() {
+bool MitsubishiInverter::take_eeprom_changed() {
   const bool changed = eeprom_changed_;
   eeprom_changed_ = false;
   return changed;
 }
 
-Outcome E500Inverter::load_eeprom(std::string_view text) {
-  auto contents = parse_eeprom(text, {kFamily, model_.model}, store_, data_.alarms);
+Outcome MitsubishiInverter::load_eeprom(std::string_view text) {
+  auto contents = parse_eeprom(text, {personality_.family, model_.model, personality_.counters}, store_, data_.alarms);
   if (!contents) {
     store_.clear_to_factory();
     record_ = {};
@@ -285,13 +252,14 @@ Outcome E500Inverter::load_eeprom(std::string_view text) {
   return {};
 }
 
-void E500Inverter::start_volatile() {
+void MitsubishiInverter::start_volatile() {
   store_.load_ram_from_eeprom();
   v_.panel_frequency_hz = record_.panel_frequency / 100.0;
   // Only Pr.59 = 1 has a memory; what an earlier setting stored does not count.
   v_.remote.power_on(store_.integer(pr::kRemoteSetting) == 1 ? record_.remote_frequency / 100.0 : 0);
-  v_.mrs_inverted = store_.integer(pr::kMrsSense) == 2;
-  v_.mode = start_mode(mode_situation());
+  v_.mrs_inverted = store_.integer(pr::kMrsSense) != 0;
+  start_family();
+  v_.mode = start_mode();
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi

@@ -1,9 +1,9 @@
-#include "motor_model/inverter/e500/auto_tuning.hpp"
+#include "motor_model/inverter/mitsubishi/auto_tuning.hpp"
 
 #include <algorithm>
 #include <numbers>
 
-namespace vinv::inverter::e500 {
+namespace vinv::inverter::mitsubishi {
 namespace {
 
 constexpr double kSettle_s = 2.0;        // the current is brought to its aim
@@ -43,4 +43,4 @@ plant::StageInput AutoTuning::step(double period_s, double rated_current_a_rms, 
   return stage;
 }
 
-}  // namespace vinv::inverter::e500
+}  // namespace vinv::inverter::mitsubishi
