@@ -254,8 +254,9 @@ TEST(SignalMap, HasTheFunctionsOfTheFamily) {
 
 TEST(Models, AreTheSixteenOfTheFamily) {
   EXPECT_EQ(models("fr-e500").size(), 16u);
-  EXPECT_EQ(models("fr-a700").size(), 0u);
-  EXPECT_THAT(families(), testing::ElementsAre("fr-e500"));
+  EXPECT_EQ(models("fr-a700").size(), 18u);
+  EXPECT_EQ(models("fr-x").size(), 0u);
+  EXPECT_THAT(families(), testing::ElementsAre("fr-e500", "fr-a700"));
 }
 
 TEST(Csv, QuotesCommasAndMistakes) {
