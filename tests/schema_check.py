@@ -11,7 +11,11 @@ def load(path):
         return json.load(f)
 
 
-def check(schema, good, bad):
+def accepts(schema, text):
+    return jsonschema.Draft7Validator(schema).is_valid(yaml.safe_load(text))
+
+
+def check(schema, good, bad, good_texts=()):
     """good: paths; bad: texts. Tells what is not as it should be and ends the program."""
     jsonschema.Draft7Validator.check_schema(schema)
     validator = jsonschema.Draft7Validator(schema)
@@ -22,8 +26,9 @@ def check(schema, good, bad):
             for error in validator.iter_errors(yaml.safe_load(f)):
                 failures += 1
                 print(f"{path}: {error.json_path}: {error.message}")
-    for text in bad:
-        if validator.is_valid(yaml.safe_load(text)):
-            failures += 1
-            print(f"accepted: {text}")
+    for texts, wanted in ((good_texts, True), (bad, False)):
+        for text in texts:
+            if validator.is_valid(yaml.safe_load(text)) != wanted:
+                failures += 1
+                print(f"{'refused' if wanted else 'accepted'}: {text}")
     sys.exit(1 if failures else 0)

@@ -41,8 +41,9 @@ struct DriveCore::Tick {
   const DriveSettings& settings;
   const DriveCommand& command;
   const Sensors& sensors;
-  double reference_hz;  // magnitude after jumps and limits; 0 where it is below the start frequency
-  bool wanted;          // the command asks for rotation
+  double reference_hz;          // magnitude after jumps and limits; 0 where it is below the start frequency
+  bool wanted;                  // the command asks for rotation
+  double torque_current_a_rms;  // negative while the motor brakes
 };
 
 bool DriveCore::output_on() const {
@@ -109,6 +110,8 @@ void DriveCore::trip(const Trip& cause) {
 
 const DriveOutputs& DriveCore::tick(Duration period, const DriveSettings& settings, const DriveCommand& command,
                                     const Sensors& sensors) {
+  const OutputSample output{sensors.current_a_rms, sensors.active_current_a_rms,
+                            out_.stage_voltage_peak_v / std::numbers::sqrt2};
   const double limited = limited_reference_hz(settings, command.set_frequency_hz);
   const double reference = limited >= settings.start_frequency_hz ? limited : 0;
   const Tick t{std::max(to_seconds(period), 0.0),
@@ -116,13 +119,12 @@ const DriveOutputs& DriveCore::tick(Duration period, const DriveSettings& settin
                command,
                sensors,
                reference,
-               command.direction != RunDirection::kStop && reference > 0};
+               command.direction != RunDirection::kStop && reference > 0,
+               torque_current_a_rms(output, settings.motor_stator_ohm)};
 
   out_.trip.reset();
   link_.observe(settings, sensors);
-  stall_.observe(t.dt_s, settings,
-                 {sensors.current_a_rms, sensors.active_current_a_rms, out_.stage_voltage_peak_v / std::numbers::sqrt2,
-                  current_limit_.factor()});
+  stall_.observe(t.dt_s, settings, {output, current_limit_.factor()});
   compensation_current_.step(t.dt_s, kCompensationLag_s, sensors.current_a_rms);
   brake_duty_.step(t.dt_s, sensors.chopper_on, settings.chopper_duty_percent);
   const Protections::Situation before{state_, output_on(), out_.output_frequency_hz};
@@ -317,8 +319,8 @@ void DriveCore::set_stage(const Tick& t) {
   }
   const double ramp = ramp_.frequency_hz();
   const double magnitude = std::abs(ramp);
-  const double slip = slip_.step(t.dt_s, s, magnitude, t.sensors.active_current_a_rms);
-  const double droop = droop_.step(t.dt_s, s, state_ != RunState::kConstant, t.sensors.active_current_a_rms);
+  const double slip = slip_.step(t.dt_s, s, magnitude, t.torque_current_a_rms);
+  const double droop = droop_.step(t.dt_s, s, state_ != RunState::kConstant, t.torque_current_a_rms);
   // Compensation does not raise the output above the maximum frequency, nor lower it below the start frequency.
   const double output = std::clamp(magnitude + slip - droop, std::min(magnitude, s.start_frequency_hz),
                                    std::max(magnitude, s.max_frequency_hz));

@@ -15,6 +15,7 @@
 #include "motor_model/drive/shortest_ramp.hpp"
 #include "motor_model/drive/slip_compensation.hpp"
 #include "motor_model/drive/stall_prevention.hpp"
+#include "motor_model/drive/torque_current.hpp"
 #include "sim/base/archive.hpp"
 
 namespace vinv::drive {

@@ -1,4 +1,4 @@
-// Slip compensation (E500 Pr.245-247): raises the output frequency by the slip that the active current stands for.
+// Slip compensation (E500 Pr.245-247): raises the output frequency by the slip that the torque current stands for.
 #pragma once
 
 #include "motor_model/drive/drive_types.hpp"
@@ -10,7 +10,7 @@ namespace vinv::drive {
 class SlipCompensation {
  public:
   // Frequency to add to the magnitude of the ramp frequency, Hz; negative while regenerating. ramp_hz >= 0.
-  double step(double dt_s, const DriveSettings& settings, double ramp_hz, double active_current_a_rms);
+  double step(double dt_s, const DriveSettings& settings, double ramp_hz, double torque_current_a_rms);
   void clear() { lag_.set(0); }
 
  private:
@@ -23,7 +23,7 @@ class SlipCompensation {
 class Droop {
  public:
   // Frequency to subtract from the magnitude of the ramp frequency, Hz; negative while regenerating.
-  double step(double dt_s, const DriveSettings& settings, bool ramping, double active_current_a_rms);
+  double step(double dt_s, const DriveSettings& settings, bool ramping, double torque_current_a_rms);
   void clear() { lag_.set(0); }
 
  private:

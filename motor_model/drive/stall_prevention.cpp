@@ -39,11 +39,10 @@ bool selected(const DriveSettings& s, Motion motion) {
 }
 
 // The sign of the torque from the power that crosses the air gap: the voltage's less what the stator resistance takes.
-double torque_sign(const StallPrevention::Measurement& m, double stator_ohm) {
-  if (m.current_a_rms <= 0) return 0;
-  const double resistive_a =
-      m.phase_voltage_v_rms > 0 ? stator_ohm * m.current_a_rms * m.current_a_rms / m.phase_voltage_v_rms : 0;
-  return std::clamp((m.active_current_a_rms - resistive_a) / (kTorqueBand * m.current_a_rms), -1.0, 1.0);
+double torque_sign(const OutputSample& output, double stator_ohm) {
+  if (output.current_a_rms <= 0) return 0;
+  const double air_gap_a = output.active_current_a_rms - resistive_current_a_rms(output, stator_ohm);
+  return std::clamp(air_gap_a / (kTorqueBand * output.current_a_rms), -1.0, 1.0);
 }
 
 // A level beyond the fast limit cannot be reached: the current would stand at the limit, with ever less voltage.
@@ -66,11 +65,11 @@ double stall_level_percent(const DriveSettings& settings, double frequency_hz) {
 }
 
 void StallPrevention::observe(double dt_s, const DriveSettings& settings, const Measurement& m) {
-  current_.step(dt_s, kFilter_s, m.current_a_rms);
+  current_.step(dt_s, kFilter_s, m.output.current_a_rms);
   // The fast limit acts on a motor that is driven too hard, and hides by how much: this much would flow without it.
   const bool limited = m.voltage_factor < 1;
-  const double driving_a_rms = limited ? m.current_a_rms / std::max(m.voltage_factor, kLeastFactor)
-                                       : m.current_a_rms * torque_sign(m, settings.motor_stator_ohm);
+  const double driving_a_rms = limited ? m.output.current_a_rms / std::max(m.voltage_factor, kLeastFactor)
+                                       : m.output.current_a_rms * torque_sign(m.output, settings.motor_stator_ohm);
   const double before = driving_.value();
   driving_.step(dt_s, kFilter_s, driving_a_rms);
   ahead_a_rms_ = driving_.value() + (dt_s > 0 ? (driving_.value() - before) / dt_s * kFilter_s : 0);

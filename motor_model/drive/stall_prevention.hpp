@@ -13,6 +13,7 @@
 #include "motor_model/drive/drive_types.hpp"
 #include "motor_model/drive/filters.hpp"
 #include "motor_model/drive/ramp_generator.hpp"
+#include "motor_model/drive/torque_current.hpp"
 #include "sim/base/archive.hpp"
 
 namespace vinv::drive {
@@ -29,10 +30,8 @@ inline constexpr double kSteepestWatched_hz_s = 500;
 class StallPrevention {
  public:
   struct Measurement {
-    double current_a_rms = 0;
-    double active_current_a_rms = 0;  // in phase with the voltage, negative while power comes back
-    double phase_voltage_v_rms = 0;   // that drove it
-    double voltage_factor = 1;        // what the fast current limit left of the voltage
+    OutputSample output;
+    double voltage_factor = 1;  // what the fast current limit left of the voltage
   };
   // Every tick, running or not.
   void observe(double dt_s, const DriveSettings& settings, const Measurement& measurement);

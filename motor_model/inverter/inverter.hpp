@@ -27,6 +27,9 @@ struct InverterConfig {
   plant::LoadSettings load;
   std::optional<plant::LossSettings> losses;  // default: typical for the motor
   std::optional<plant::MainsState> mains;     // default: nominal for the model
+  double mains_frequency_hz = 50;
+  double mains_phase_rad = 0;
+  std::vector<plant::VoltagePoint> voltage_table;  // for MotorSource::kTable
   double ambient_c = 25;
   double brake_resistance_ohm = 0;  // external brake resistor; 0: none
   std::optional<double> source_resistance_ohm;
@@ -101,11 +104,14 @@ class Inverter {
   virtual bool powered() const = 0;
   virtual void set_mains(const plant::MainsState& mains) = 0;
   virtual void set_load(const plant::LoadSettings& load) = 0;
+  // Contactors outside of the inverter: what the motor hangs on. The mains are those of set_mains(), before the
+  // breaker. Refused: a table that the config does not have.
+  virtual Outcome set_motor_source(plant::MotorSource source) = 0;
   virtual void set_shaft_locked(bool locked) = 0;
   virtual void set_ambient(double celsius) = 0;
   virtual const plant::PowerPlant& plant() const = 0;
   // Faults by name: an alarm of the family ("E.PE"), which is an event and stays until reset, or a cause
-  // ("earth_fault", "output_phase_open", "brake_transistor", "eeprom_write", "option", "external_thermal"). on = false
+  // ("earth_fault", "output_phase_open", "brake_transistor", "eeprom_write", "option", "current_sensor" ...). on = false
   // removes a cause.
   virtual Outcome inject_fault(std::string_view fault, bool on) = 0;
   virtual std::vector<std::string_view> injectable_faults() const = 0;

@@ -12,7 +12,15 @@ constexpr double kScale[] = {1.0, 10.0, 100.0, 1000.0};
 }  // namespace
 
 ParameterStore::ParameterStore(const ParameterTable& table, const ModelRow& model)
-    : table_(&table), factory_(table.defaults(model)), ram_(factory_), eeprom_(factory_) {}
+    : table_(&table), factory_(table.defaults(model)), ram_(factory_), eeprom_(factory_), physical_(ram_.size()) {
+  for (std::size_t row = 0; row < ram_.size(); ++row) physical_[row] = physical(row, ram_[row]);
+}
+
+// One row may change the increment of others.
+void ParameterStore::ram_changed() {
+  ++revision_;
+  for (std::size_t row = 0; row < ram_.size(); ++row) physical_[row] = physical(row, ram_[row]);
+}
 
 int ParameterStore::decimals_in(std::size_t row, const std::vector<std::int32_t>& image) const {
   const ParameterRow& r = table_->rows()[row];
@@ -30,7 +38,7 @@ double ParameterStore::physical(std::size_t row, std::int32_t raw) const {
 
 double ParameterStore::value(unsigned number, unsigned sub) const {
   const auto row = table_->index(port::ParameterId{static_cast<std::uint16_t>(number), static_cast<std::uint8_t>(sub)});
-  return row ? physical(*row, ram_[*row]) : 0;
+  return row ? physical_[*row] : 0;
 }
 
 bool ParameterStore::is_9999(unsigned number) const {
@@ -82,7 +90,7 @@ void ParameterStore::write(std::size_t row, std::int32_t raw, Storage storage) {
   VINV_CHECK(row < ram_.size() && table_->rows()[row].accepts(raw));
   ram_[row] = raw;
   if (storage == Storage::kRamAndEeprom) eeprom_[row] = raw;
-  ++revision_;
+  ram_changed();
 }
 
 void ParameterStore::set_factory(std::size_t row, std::int32_t raw) {
@@ -97,17 +105,17 @@ void ParameterStore::clear(ClearKind kind, bool communication_too) {
     if (table_->rows()[i].communication && !communication_too) continue;
     ram_[i] = eeprom_[i] = factory_[i];
   }
-  ++revision_;
+  ram_changed();
 }
 
 void ParameterStore::clear_to_factory() {
   ram_ = eeprom_ = factory_;
-  ++revision_;
+  ram_changed();
 }
 
 void ParameterStore::load_ram_from_eeprom() {
   ram_ = eeprom_;
-  ++revision_;
+  ram_changed();
 }
 
 void ParameterStore::set_eeprom(const std::vector<std::int32_t>& image) {
@@ -116,7 +124,8 @@ void ParameterStore::set_eeprom(const std::vector<std::int32_t>& image) {
 }
 
 void archive(Archive& a, ParameterStore& store) {
-  VINV_MEMBERS(store, table, factory, ram, eeprom, revision);
+  // The physical values are made from the image.
+  VINV_MEMBERS(store, table, factory, ram, eeprom, values, revision);
   const std::vector<std::int32_t> own = a.loads() ? factory : std::vector<std::int32_t>{};
   VINV_FIELDS(a, ParameterStore, factory, ram, eeprom, revision);
   if (!a.loads()) return;
@@ -128,7 +137,11 @@ void archive(Archive& a, ParameterStore& store) {
       a.require(raw == own[i] || table->rows()[i].accepts(raw), "a parameter has a value that it does not take");
     }
   }
-  if (a.failed()) factory = own;  // by which what is put back is judged
+  if (a.failed()) {
+    factory = own;  // by which what is put back is judged
+    return;
+  }
+  for (std::size_t row = 0; row < ram.size(); ++row) values[row] = store.physical(row, ram[row]);
 }
 
 }  // namespace vinv::inverter

@@ -20,7 +20,11 @@ class ParameterStore {
   const ParameterTable& table() const { return *table_; }
 
   // Physical value in RAM; 9999.0 and 8888.0 where the parameter is set to those. 0 for a number that does not exist.
-  double value(unsigned number, unsigned sub = 0) const;
+  double value(unsigned number, unsigned sub) const;
+  double value(unsigned number) const {
+    const auto row = table_->whole(number);
+    return row >= 0 ? physical_[static_cast<std::size_t>(row)] : 0;
+  }
   std::int32_t integer(unsigned number) const { return static_cast<std::int32_t>(value(number)); }
   bool is_9999(unsigned number) const;
   std::int32_t raw(std::size_t row) const { return ram_[row]; }
@@ -56,11 +60,13 @@ class ParameterStore {
 
  private:
   int decimals_in(std::size_t row, const std::vector<std::int32_t>& image) const;
+  void ram_changed();
 
   const ParameterTable* table_;
   std::vector<std::int32_t> factory_;
   std::vector<std::int32_t> ram_;
   std::vector<std::int32_t> eeprom_;
+  std::vector<double> physical_;  // of the RAM image, row by row: control reads some dozens in each tick
   std::uint32_t revision_ = 1;
 };
 

@@ -114,7 +114,7 @@ Result<ParameterTable, std::string> ParameterTable::load(std::string_view csv) {
   if (!table) return Unexpected(table.error());
   CsvReader in(*table);
   ParameterTable out;
-  out.first_.fill(-1);
+  for (auto& places : out.places_) places.fill(kNone);
   std::string manufacturer = "manufacturer";
   for (std::size_t i = 0; i < in.size() && !in.error(); ++i) {
     in.select(i);
@@ -224,13 +224,11 @@ Result<ParameterTable, std::string> ParameterTable::load(std::string_view csv) {
         }
       }
     }
-    std::int16_t& first = out.first_[static_cast<std::size_t>(number)];
-    if (sub <= 1) {
-      if (first >= 0) in.fail("pr", row.label + " is there twice");
-      first = static_cast<std::int16_t>(out.rows_.size());
-    } else if (first < 0 || out.rows_.back().id != port::ParameterId{row.id.number, 1}) {
+    if (sub <= 1 && out.has_number(row.id.number)) in.fail("pr", row.label + " is there twice");
+    if (sub == 2 && (out.rows_.empty() || out.rows_.back().id != port::ParameterId{row.id.number, 1})) {
       in.fail("sub", "sub-index 2 must follow 1");
     }
+    out.places_[row.id.number][row.id.sub] = static_cast<std::int16_t>(out.rows_.size());
     out.rows_.push_back(std::move(row));
   }
   if (in.error()) return Unexpected(*in.error());
@@ -243,11 +241,9 @@ Result<ParameterTable, std::string> ParameterTable::load(std::string_view csv) {
 }
 
 std::optional<std::size_t> ParameterTable::index(port::ParameterId id) const {
-  if (id.number >= kNumbers || first_[id.number] < 0) return std::nullopt;
-  const auto at = static_cast<std::size_t>(first_[id.number]);
-  if (rows_[at].id.sub == id.sub) return at;
-  if (at + 1 < rows_.size() && rows_[at + 1].id == id) return at + 1;
-  return std::nullopt;
+  if (id.number >= kNumbers || id.sub >= places_[id.number].size() || places_[id.number][id.sub] < 0)
+    return std::nullopt;
+  return static_cast<std::size_t>(places_[id.number][id.sub]);
 }
 
 std::optional<std::size_t> ParameterTable::index(std::string_view label) const {
@@ -265,7 +261,9 @@ std::optional<std::size_t> ParameterTable::index(std::string_view label) const {
   return index(port::ParameterId{static_cast<std::uint16_t>(*number), static_cast<std::uint8_t>(*sub)});
 }
 
-bool ParameterTable::has_number(std::uint32_t number) const { return number < kNumbers && first_[number] >= 0; }
+bool ParameterTable::has_number(std::uint32_t number) const {
+  return number < kNumbers && (places_[number][0] >= 0 || places_[number][1] >= 0);
+}
 
 std::vector<std::int32_t> ParameterTable::defaults(const ModelRow& model) const {
   std::vector<std::int32_t> raw;

@@ -84,6 +84,8 @@ class ParameterTable {
   const std::vector<ParameterRow>& rows() const { return rows_; }
   // Position in rows(); empty if there is no such parameter.
   std::optional<std::size_t> index(port::ParameterId id) const;
+  // Row of a number without sub-index; -1: none.
+  std::int16_t whole(unsigned number) const { return number < kNumbers ? places_[number][0] : kNone; }
   // By "Pr.7", "7", "Pr.902.1" or an alias.
   std::optional<std::size_t> index(std::string_view label) const;
   // True for a number that exists, whatever the sub-index.
@@ -94,7 +96,8 @@ class ParameterTable {
  private:
   static constexpr std::size_t kNumbers = 1000;
   std::vector<ParameterRow> rows_;
-  std::array<std::int16_t, kNumbers> first_{};  // row of the first sub-index, -1: none
+  static constexpr std::int16_t kNone = -1;
+  std::array<std::array<std::int16_t, 3>, kNumbers> places_{};  // row by number and sub-index
 };
 
 // Decimal text of a raw value and back; exact. Refuses more decimals than the increment has.

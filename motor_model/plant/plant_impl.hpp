@@ -13,12 +13,14 @@ struct PowerPlant::Impl {
   void set_stage(const StageInput& next);
   void take_stage_levels();  // what does not ramp
   void set_mains(const MainsState& next);
+  void set_line(double voltage_v_rms);
+  void set_motor_source(MotorSource next);
   void set_load(const LoadSettings& next);
   void set_shaft_locked(bool locked);
   void set_ambient(double ambient);
   void set_carrier(double carrier);
   void set_cooling(double factor);
-  void take_inverter_loss();             // carrier and cooling into the model
+  void take_inverter_loss();  // carrier and cooling into the model
 
   // One advance().
   Events advance(Duration dt);
@@ -33,6 +35,11 @@ struct PowerPlant::Impl {
   bool current_too_high() const;
   void shut_for_over_current();
   void refresh_rectifier();
+  bool stage_feeds() const { return source == MotorSource::kInverter && switches.gates_on(); }
+  bool line_feeds() const;
+  void interrupt_stator();
+  void refresh_line();
+  void enter_voltage_point();
   void refresh_model();  // switch positions and levels into the right-hand side
   void restart_solver(double t);
   void enter_table_segment();
@@ -49,6 +56,9 @@ struct PowerPlant::Impl {
   double carrier_hz = kReferenceCarrier_hz;
   double cooling_factor = 1;
   bool stage_jumps = true;  // frequency or voltage step to the new value instead of ramping
+  MotorSource source = MotorSource::kInverter;
+  Duration source_since{};
+  double line_v_rms = 0;
 
   PlantModel model;
   SwitchLevels levels;
@@ -60,9 +70,10 @@ struct PowerPlant::Impl {
   Duration time{};
   Duration base{};
   double t = 0;
-  bool anew = true;                    // an input has jumped since the last advance
-  Duration table_end{};                // next point of the load table
-  Duration way_end = Duration::max();  // frequency and voltage have arrived
+  bool anew = true;                        // an input has jumped since the last advance
+  Duration table_end{};                    // next point of the load table
+  Duration way_end = Duration::max();      // frequency and voltage have arrived
+  Duration voltage_end = Duration::max();  // next point of the voltage table
 
   Duration advance_start{};
   Events events;

@@ -13,15 +13,24 @@ namespace {
   const double omega = y[state::kOmegaMech];
   const double v = y[state::kDcLink];
 
-  if (m.gates_on) {
+  if (m.on_line) {
+    f.i = currents(m.machine, psi);
+    f.stator_peak_v = m.line_peak_v;
+    f.d_psi = flux_derivative(m.machine, psi, f.i, m.line_peak_v, m.line_omega, omega);
+    f.torque_nm = air_gap_torque(m.machine, psi, f.i);
+    f.current_squared = f.i.i_sd * f.i.i_sd + f.i.i_sq * f.i.i_sq;
+    f.output_w = 1.5 * m.line_peak_v * f.i.i_sd;
+    f.iron_w = m.iron_w_per_wb2 * (psi.psi_sd * psi.psi_sd + psi.psi_sq * psi.psi_sq);
+    f.line_w = f.output_w + f.iron_w;
+  } else if (m.gates_on) {
     f.i = currents(m.machine, psi);
     const double since = t - m.t_input;
     const double modulated = modulation(m.commanded_peak_v + m.commanded_peak_slope * since, v);
-    f.stage_peak_v = modulated * v;
-    f.d_psi = flux_derivative(m.machine, psi, f.i, f.stage_peak_v, m.omega_k + m.omega_k_slope * since, omega);
+    f.stator_peak_v = modulated * v;
+    f.d_psi = flux_derivative(m.machine, psi, f.i, f.stator_peak_v, m.omega_k + m.omega_k_slope * since, omega);
     f.torque_nm = air_gap_torque(m.machine, psi, f.i);
     f.current_squared = f.i.i_sd * f.i.i_sd + f.i.i_sq * f.i.i_sq;
-    f.output_w = 1.5 * f.stage_peak_v * f.i.i_sd;
+    f.output_w = 1.5 * f.stator_peak_v * f.i.i_sd;
     const double loss_a = 1.5 * m.inverter_loss_fraction * modulated * std::sqrt(f.current_squared);
     f.inverter_w = loss_a * v;
     f.link_current_a = 1.5 * modulated * f.i.i_sd + loss_a;
@@ -66,7 +75,7 @@ int right_hand_side(const void* model, double t, const double* y, double* dy) {
   dy[state::kHeatSink] = heat_sink_slope(m.thermal, y[state::kHeatSink], f.inverter_w);
   dy[state::kWinding] = winding_slope(m.thermal, y[state::kWinding], f.current_squared);
 
-  dy[state::kFromMains] = f.rectifier.mains_w;
+  dy[state::kFromMains] = f.rectifier.mains_w + f.line_w;
   dy[state::kStatorCopper] = 1.5 * m.machine.R_s * f.current_squared;
   dy[state::kRotorCopper] = 1.5 * m.machine.R_r * (f.i.i_rd * f.i.i_rd + f.i.i_rq * f.i.i_rq);
   dy[state::kIron] = f.iron_w;
@@ -76,6 +85,10 @@ int right_hand_side(const void* model, double t, const double* y, double* dy) {
   dy[state::kBrake] = f.brake_w;
   dy[state::kFriction] = f.shaft.friction_nm * omega;
   dy[state::kLoad] = f.shaft.load_nm * omega;
+
+  dy[state::kFrameAngle] = m.on_line    ? m.line_omega
+                           : m.gates_on ? m.omega_k + m.omega_k_slope * (t - m.t_input)
+                                        : m.machine.pole_pairs * omega;
   return 0;
 }
 
@@ -101,7 +114,7 @@ int comparators(const void* model, double t, const double* y, double* g) {
 Flows flows(const PlantModel& model, double t, const double* y) { return compute_flows(model, t, y); }
 
 double net_torque_at_rest(const PlantModel& m, const double* y) {
-  if (!m.gates_on) return -m.load.hoist_nm;
+  if (!m.fed()) return -m.load.hoist_nm;
   const FluxPair psi = flux_of(y);
   return air_gap_torque(m.machine, psi, currents(m.machine, psi)) - m.load.hoist_nm;
 }
@@ -118,6 +131,17 @@ void open_stator(const PlantModel& m, double* y) {
   const double image = m.machine.L_m / m.machine.L_r;
   y[state::kPsiSd] = image * y[state::kPsiRd];
   y[state::kPsiSq] = image * y[state::kPsiRq];
+}
+
+void align_frame(double angle_rad, double* y) {
+  const double turn = angle_rad - y[state::kFrameAngle];
+  const double c = std::cos(turn), s = std::sin(turn);
+  for (const std::size_t d : {state::kPsiSd, state::kPsiRd}) {
+    const double psi_d = y[d], psi_q = y[d + 1];
+    y[d] = c * psi_d + s * psi_q;
+    y[d + 1] = c * psi_q - s * psi_d;
+  }
+  y[state::kFrameAngle] = angle_rad;
 }
 
 OdeSystem ode_system(const PlantModel& model) {

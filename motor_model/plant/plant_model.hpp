@@ -25,7 +25,8 @@ inline constexpr std::size_t kCoreStates = 6;
 inline constexpr std::size_t kHeatSink = 6, kWinding = 7;  // degC
 inline constexpr std::size_t kFromMains = 8, kStatorCopper = 9, kRotorCopper = 10, kIron = 11, kInverter = 12,
                              kStandby = 13, kSource = 14, kBrake = 15, kFriction = 16, kLoad = 17;  // J
-inline constexpr std::size_t kStates = 18;
+inline constexpr std::size_t kFrameAngle = 18;  // rad, of the d axis against phase U
+inline constexpr std::size_t kStates = 19;
 }  // namespace state
 
 // Comparators as rising functions: they act when they go through zero upwards.
@@ -44,8 +45,16 @@ struct PlantModel {
   Rectifier rectifier;
   Thermal thermal;
 
-  // Stage.
+  // What feeds the stator: the stage, a line of its own, or nothing.
   bool gates_on = false;
+  bool on_line = false;  // never together with gates_on
+  bool fed() const { return gates_on || on_line; }
+
+  // Line: a vector of this length that turns with omega.
+  double line_peak_v = 0;
+  double line_omega = 0;
+
+  // Stage.
   bool chopper_on = false;
   double omega_k = 0;  // rad/s, at t_input
   double commanded_peak_v = 0;
@@ -65,13 +74,14 @@ struct PlantModel {
 struct Flows {
   CurrentPair i;
   FluxPair d_psi;
-  double stage_peak_v = 0;
+  double stator_peak_v = 0;
   double torque_nm = 0;
   ShaftTorques shaft;
   RectifierFlow rectifier;
   double link_current_a = 0;  // out of the link: stage, losses, standby, brake
   double current_squared = 0;
-  double output_w = 0, iron_w = 0, inverter_w = 0, standby_w = 0, brake_w = 0;
+  double line_w = 0;                                                            // from the line, with the iron loss
+  double output_w = 0, iron_w = 0, inverter_w = 0, standby_w = 0, brake_w = 0;  // output: into the stator
 };
 
 inline FluxPair flux_of(const double* y) {
@@ -88,6 +98,9 @@ double stored_energy(const PlantModel& model, const double* y);
 
 // The stator flux that belongs to i_s = 0.
 void open_stator(const PlantModel& model, double* y);
+
+// Turns the frame so that its d axis stands at this angle; the fluxes stay where they are in space.
+void align_frame(double angle_rad, double* y);
 
 // The system as a solver takes it. The model must outlive it and stay where it is.
 OdeSystem ode_system(const PlantModel& model);

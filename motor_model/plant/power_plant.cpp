@@ -13,15 +13,21 @@ namespace vinv::plant {
 namespace {
 
 constexpr double kRpmPerRadS = 30 / std::numbers::pi;
-constexpr double kTableStepNm = 1e-6;     // below it a point of the load table is a kink, not a step
-constexpr double kMainsFrequencyHz = 50;  // for the ripple estimate only
+constexpr double kLineRmsOfPeak = std::numbers::sqrt3 / std::numbers::sqrt2;
+constexpr double kTableStepNm = 1e-6;  // below it a point of the load table is a kink, not a step
 
 // Peak to peak: the capacitor alone carries the current between two pulses, but never below what the bridge delivers.
-double ripple_estimate(const Rectifier& r, const DcLink& link, double link_current_a) {
+double ripple_estimate(const Rectifier& r, const DcLink& link, double mains_frequency_hz, double link_current_a) {
   if (!r.live || link_current_a <= 0) return 0;
-  const double pulses_per_s = (r.single_phase ? 2 : 6) * kMainsFrequencyHz;
+  const double pulses_per_s = (r.single_phase ? 2 : 6) * mains_frequency_hz;
   const double bound = r.single_phase ? r.v_peak : r.v_peak * (1 - std::numbers::sqrt3 / 2);
   return std::min(bound, link_current_a * link.inverse_capacitance / pulses_per_s);
+}
+
+// Peak of what the decaying, turning rotor flux induces in an open stator.
+double residual_voltage(const PlantModel& m, const double* y) {
+  const double flux = std::hypot(y[state::kPsiSd], y[state::kPsiSq]);
+  return flux * std::hypot(m.machine.R_r / m.machine.L_r, m.machine.pole_pairs * y[state::kOmegaMech]);
 }
 
 Rectifier make_rectifier(const MainsState& mains, double resistance_ohm) {
@@ -38,7 +44,8 @@ std::uint64_t constants_of(const PlantConfig& config, SolverSettings solver) {
   PlantConfig c = config;
   Bytes bytes;
   Archive a = Archive::saving(bytes);
-  VINV_FIELDS(a, Constants, c.machine, c.losses, c.dc_link, c.thermal, c.comparators, c.nominal_mains_v_rms, solver);
+  VINV_FIELDS(a, Constants, c.machine, c.losses, c.dc_link, c.thermal, c.comparators, c.nominal_mains_v_rms,
+              c.mains_frequency_hz, c.mains_phase_rad, c.voltage_table, solver);
   return snapshot_checksum(bytes);
 }
 
@@ -54,7 +61,8 @@ PowerPlant::Impl::Impl(PlantConfig config_in, SolverSettings solver_settings)
   model.link = DcLink(config.dc_link, config.losses.standby_w, nominal);
   model.thermal = Thermal(config.thermal, config.machine, config.ambient_c);
   take_inverter_loss();
-  levels = switch_levels(config, stage);
+  take_stage_levels();
+  line_v_rms = config.mains.voltage_v_rms;
   solver = make_solver(ode_system(model), solver_settings);
   std::fill_n(y(), state::kStates, 0.0);
   y()[state::kHeatSink] = y()[state::kWinding] = config.ambient_c;
@@ -71,13 +79,9 @@ void PowerPlant::Impl::refresh_rectifier() {
 void PowerPlant::Impl::refresh_model() {
   refresh_rectifier();
   model.chopper_on = switches.chopper_on;
-  if (model.gates_on && !switches.gates_on()) {
-    // The stator current ends at once; the energy of its leakage field dies in the stage.
-    const CurrentPair i = currents(model.machine, flux_of(y()));
-    y()[state::kInverter] += 0.75 * model.machine.L_sigma * (i.i_sd * i.i_sd + i.i_sq * i.i_sq);
-    open_stator(model, y());
-  }
-  model.gates_on = switches.gates_on();
+  if (model.fed() && !stage_feeds() && !line_feeds()) interrupt_stator();
+  model.gates_on = stage_feeds();
+  refresh_line();
   const double limit = config.comparators.over_current_a_peak;
   model.over_current_squared = limit * limit;
   const QuietBand band = quiet_band(switches, levels);
@@ -191,8 +195,9 @@ PowerPlant::Events PowerPlant::Impl::advance(Duration dt) {
   if (anew) begin_anew();
   const Duration end = time + dt;
   while (time < end) {
-    integrate_to(std::min({end, table_end, way_end}));
+    integrate_to(std::min({end, table_end, way_end, voltage_end}));
     if (time == way_end) end_stage_way();
+    if (time == voltage_end) begin_anew();
     if (time == table_end) {
       const double before = dry_load(model.load, to_seconds(time - base));
       enter_table_segment();
@@ -209,10 +214,19 @@ void PowerPlant::Impl::measure() {
   const Flows f = flows(model, t, s);
   const double omega = s[state::kOmegaMech];
   auto& out = measurements;
-  out.current_peak_a = std::sqrt(f.current_squared);
+  const double motor_current_peak_a = std::sqrt(f.current_squared);
+  const bool by_inverter = model.gates_on;
+  out.current_peak_a = by_inverter ? motor_current_peak_a : 0;
   out.output_current_a_rms = out.current_peak_a / std::numbers::sqrt2;
-  out.active_current_a_rms = f.i.i_sd / std::numbers::sqrt2;
-  out.output_voltage_v_rms = f.stage_peak_v * std::numbers::sqrt3 / std::numbers::sqrt2;
+  out.active_current_a_rms = by_inverter ? f.i.i_sd / std::numbers::sqrt2 : 0;
+  out.motor_current_a_rms = motor_current_peak_a / std::numbers::sqrt2;
+  const double stage_peak_v = by_inverter ? f.stator_peak_v
+                              : switches.gates_on()
+                                  ? modulation(model.commanded_peak_v, s[state::kDcLink]) * s[state::kDcLink]
+                                  : 0;
+  const double motor_peak_v = model.fed() ? f.stator_peak_v : residual_voltage(model, s);
+  out.output_voltage_v_rms = stage_peak_v * kLineRmsOfPeak;
+  out.motor_voltage_v_rms = motor_peak_v * kLineRmsOfPeak;
   out.dc_link_v = std::max(0.0, s[state::kDcLink]);  // an empty capacitor is zero within tolerance
   out.speed_rpm = omega * kRpmPerRadS;
   out.torque_nm = f.torque_nm;
@@ -224,15 +238,15 @@ void PowerPlant::Impl::measure() {
     out.load_torque_nm = model.load.hoist_nm + share * (f.torque_nm - model.load.hoist_nm);
   }
   out.shaft_power_w = (f.torque_nm - f.shaft.friction_nm) * omega;
-  out.input_power_w = f.rectifier.mains_w;
-  out.output_power_w = f.output_w;
+  out.input_power_w = f.rectifier.mains_w + f.line_w;
+  out.output_power_w = by_inverter ? f.output_w : 0;
   out.brake_power_w = f.brake_w;
   out.heat_sink_c = s[state::kHeatSink];
   out.winding_c = s[state::kWinding];
-  out.gates_on = model.gates_on;
+  out.gates_on = switches.gates_on();
   out.chopper_on = model.chopper_on;
   out.precharge_bypassed = switches.bypassed;
-  out.dc_link_ripple_v = ripple_estimate(model.rectifier, model.link, f.link_current_a);
+  out.dc_link_ripple_v = ripple_estimate(model.rectifier, model.link, config.mains_frequency_hz, f.link_current_a);
 
   energy.from_mains_j = s[state::kFromMains];
   energy.stator_copper_j = s[state::kStatorCopper];
@@ -254,6 +268,8 @@ PowerPlant& PowerPlant::operator=(PowerPlant&&) noexcept = default;
 
 void PowerPlant::set_stage(const StageInput& stage) { impl_->set_stage(stage); }
 void PowerPlant::set_mains(const MainsState& mains) { impl_->set_mains(mains); }
+void PowerPlant::set_line(double voltage_v_rms) { impl_->set_line(voltage_v_rms); }
+void PowerPlant::set_motor_source(MotorSource source) { impl_->set_motor_source(source); }
 void PowerPlant::set_load(const LoadSettings& load) { impl_->set_load(load); }
 void PowerPlant::set_shaft_locked(bool locked) { impl_->set_shaft_locked(locked); }
 void PowerPlant::set_ambient(double ambient_c) { impl_->set_ambient(ambient_c); }
@@ -264,6 +280,7 @@ const PlantMeasurements& PowerPlant::measurements() const { return impl_->measur
 const EnergyCounters& PowerPlant::energy() const { return impl_->energy; }
 const PlantConfig& PowerPlant::config() const { return impl_->config; }
 const MainsState& PowerPlant::mains() const { return impl_->config.mains; }
+MotorSource PowerPlant::motor_source() const { return impl_->source; }
 const LoadSettings& PowerPlant::load() const { return impl_->config.load; }
 bool PowerPlant::shaft_locked() const { return impl_->model.load.locked; }
 Duration PowerPlant::time() const { return impl_->time; }

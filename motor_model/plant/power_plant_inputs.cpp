@@ -38,7 +38,7 @@ void PowerPlant::Impl::set_stage(const StageInput& next) {
   if (next == stage) return;
   if (!next.gates_on) switches.gates_latched = false;
   switches.gates_commanded = next.gates_on;
-  const bool switched = switches.gates_on() != model.gates_on;
+  const bool switched = stage_feeds() != model.gates_on;
   const bool chopper = next.chopper_enabled != stage.chopper_enabled || next.chopper_on_v != stage.chopper_on_v ||
                        next.chopper_off_v != stage.chopper_off_v;
   stage = next;
@@ -48,7 +48,11 @@ void PowerPlant::Impl::set_stage(const StageInput& next) {
 }
 
 void PowerPlant::Impl::take_stage_levels() {
-  model.iron_w_per_wb2 = iron_loss_coefficient(config.machine, config.losses, stage.frequency_hz);
+  // A table has no frequency: with it there is no iron loss.
+  const double frequency_hz = source == MotorSource::kInverter ? stage.frequency_hz
+                              : source == MotorSource::kMains  ? config.mains_frequency_hz
+                                                               : 0;
+  model.iron_w_per_wb2 = iron_loss_coefficient(config.machine, config.losses, frequency_hz);
   levels = switch_levels(config, stage);
 }
 

@@ -162,6 +162,8 @@ Refusal check_surroundings(const PlantConfig& c) {
           check_range("under_voltage_clear_v", k.under_voltage_clear_v, 0, 1e5, "V"),
           check_range("nominal_mains_v_rms", c.nominal_mains_v_rms, 10, 15000, "V"),
           check_range("mains voltage_v_rms", c.mains.voltage_v_rms, 0, 2 * c.nominal_mains_v_rms, "V"),
+          check_range("mains_frequency_hz", c.mains_frequency_hz, 1, 1000, "Hz"),
+          check_range("mains_phase_rad", c.mains_phase_rad, -7, 7, "rad"),
           check_range("ambient_c", c.ambient_c, -60, 120, "degC"),
       })) {
     return bad;
@@ -170,6 +172,24 @@ Refusal check_surroundings(const PlantConfig& c) {
       (k.under_voltage_clear_v >= k.over_voltage_v || k.under_voltage_v >= k.over_voltage_v)) {
     return fmt::format("under_voltage_v {} V and under_voltage_clear_v {} V must be below over_voltage_v {} V",
                        k.under_voltage_v, k.under_voltage_clear_v, k.over_voltage_v);
+  }
+  return std::nullopt;
+}
+
+Refusal check_voltage_table(const std::vector<VoltagePoint>& table) {
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    const auto& point = table[n];
+    const auto name = [n](const char* what) { return fmt::format("voltage table point {}: {}", n + 1, what); };
+    if (n == 0 && point.time_s != 0)
+      return fmt::format("{} is {} s; the first point must be at 0 s", name("time_s"), point.time_s);
+    if (n > 0 && !(point.time_s > table[n - 1].time_s)) {
+      return fmt::format("{} is {} s; it must be later than the point before", name("time_s"), point.time_s);
+    }
+    if (auto bad = first({check_range(name("time_s"), point.time_s, 0, 1e6, "s"),
+                          check_range(name("alpha_v"), point.alpha_v, -1e5, 1e5, "V"),
+                          check_range(name("beta_v"), point.beta_v, -1e5, 1e5, "V")})) {
+      return bad;
+    }
   }
   return std::nullopt;
 }
@@ -183,10 +203,14 @@ Result<void, std::string> validate(const MachineParameters& machine) {
 
 Result<void, std::string> validate(const LoadSettings& load) { return outcome(check_load(load)); }
 
+Result<void, std::string> validate(const std::vector<VoltagePoint>& table) {
+  return outcome(check_voltage_table(table));
+}
+
 Result<void, std::string> validate(const PlantConfig& config) {
   if (auto machine = validate(config.machine); !machine) return machine;
-  for (const auto& refusal :
-       {check_load(config.load), check_losses(config), check_dc_link(config.dc_link), check_surroundings(config)}) {
+  for (const auto& refusal : {check_load(config.load), check_losses(config), check_dc_link(config.dc_link),
+                              check_surroundings(config), check_voltage_table(config.voltage_table)}) {
     if (refusal) return outcome(refusal);
   }
   return {};

@@ -32,9 +32,9 @@ void remove(Document& from, std::size_t begin, std::size_t end) {
 
 // With other expectations it would not be the same check any more.
 bool expects(std::string_view key) {
-  static const std::set<std::string_view> words{"check", "reached",   "ramp",   "trip",    "always",
-                                                "never", "overshoot", "rising", "falling", "expect_frame",
-                                                "when",  "within",    "limit"};
+  static const std::set<std::string_view> words{"check", "reached",   "ramp",       "trip",    "always",
+                                                "never", "overshoot", "rising",     "falling", "expect_frame",
+                                                "when",  "within",    "absent_for", "limit"};
   return words.count(key) > 0;
 }
 

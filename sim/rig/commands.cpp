@@ -8,6 +8,8 @@
 
 #include "sim/rig/can_commands.hpp"
 #include "sim/rig/command_values.hpp"
+#include "sim/rig/flow_value.hpp"
+#include "sim/rig/motor_source.hpp"
 #include "sim/rig/wire_commands.hpp"
 #include "sim/rig/words.hpp"
 
@@ -302,6 +304,14 @@ Json shaft(const Context& c) {
   return word;
 }
 
+Json motor(const Context& c) {
+  const std::string word = word_of(c.value, kMotorSources, "motor");
+  if (word == "table" && c.drive.spec.voltage_table.empty())
+    invalid("motor is \"table\"; the plant file has no voltage_table for this drive.");
+  demand(c.inverter().set_motor_source(*motor_source_of(word)));
+  return word;
+}
+
 Json fault(const Context& c) {
   const Words known = c.inverter().injectable_faults();
   Json map = c.value;
@@ -373,6 +383,7 @@ Json status(const Context& c) {
   out["model"] = inv.model();
   out["time_s"] = to_seconds(c.plant.now());
   out["powered"] = inv.powered();
+  out["motor_source"] = kMotorSources[static_cast<std::size_t>(inv.plant().motor_source())];
   out["ready"] = drive_port.ready();
   out["mode"] = mode_name(drive_port.operation_mode());
   out["display"] = inv.display();
@@ -504,6 +515,12 @@ const std::vector<Row>& rows() {
        {"torque", "linear", "quadratic", "hoist", "inertia", "over"},
        false},
       {{"shaft", true, "locked | free", "block or free the shaft", "conveyor_1 shaft locked"}, shaft, {}, false},
+      {{"motor", true, "inverter | mains | open | table",
+        "what the motor hangs on: contactors outside of the drive; table is the plant file's voltage_table",
+        "conveyor_1 motor mains"},
+       motor,
+       {},
+       false},
       {{"mains", true, "voltage: <u> V; dip: <d> % with for: <t> ms", "supply voltage; a dip lowers it by d for a time",
         "conveyor_1 mains dip 100 % for 200 ms"},
        mains,
@@ -525,7 +542,8 @@ const std::vector<Row>& rows() {
        true},
       {{"led", true, "", "the option board's status LED", "conveyor_1 led"}, led, {}, false},
       {{"wire", true,
-        "drop, duplicate, corrupt, error_frame, bus_off, silence, duplicate_node: <p> % | on; delay, reorder, split: <t> ms; "
+        "drop, duplicate, corrupt, error_frame, bus_off, silence, duplicate_node: <p> % | on; delay, reorder, split: "
+        "<t> ms; "
         "truncate: <n>; share: <p> %; nth, every, times: <n>; for: <t> s; id: <hex>; of: own | master | all; "
         "port: can | serial | tcp; error_frame | bus_off | unplugged | plugged | half_open | none",
         "faults on the wires of the drive; they last until none", "conveyor_1 wire drop 10 % id 185"},
@@ -547,18 +565,23 @@ std::string joined(const std::vector<std::string>& words, std::size_t from = 0) 
   return out;
 }
 
-// Entries begin at "key=" or at one of the row's keys; other words go on with the value before.
+bool has_colon(const std::string& word) { return word.size() > 1 && word.back() == ':'; }
+
+// Entries begin at "key=", "key:" or one of the row's keys; other words go on with the value before.
 Json entries_of(const Row& row, const std::vector<std::string>& words) {
   Json out = Json::object();
   std::string key;
-  for (const std::string& word : words) {
+  for (const std::string& written : words) {
+    // As a scenario has them: torque: 12 Nm, over: 2 s
+    const bool comma = written.size() > 1 && written.back() == ',';
+    const std::string word = comma ? written.substr(0, written.size() - 1) : written;
     const std::size_t equals = word.find('=');
     const bool named = std::find(row.keys.begin(), row.keys.end(), word) != row.keys.end();
     if (equals != std::string::npos && equals > 0) {
       key = word.substr(0, equals);
       out[key] = word.substr(equals + 1);
-    } else if (named) {
-      key = word;
+    } else if (named || has_colon(word)) {
+      key = named ? word : word.substr(0, word.size() - 1);
       out[key] = "";
     } else if (key.empty()) {
       invalid("\"" + word + "\" belongs to nothing; " + std::string(row.info.name) + " takes " +
@@ -573,9 +596,10 @@ Json entries_of(const Row& row, const std::vector<std::string>& words) {
 
 Json value_of(const Row& row, const std::vector<std::string>& words) {
   if (words.empty()) return {};
-  const bool any_equals =
-      std::any_of(words.begin(), words.end(), [](const auto& w) { return w.find('=') != std::string::npos; });
-  if (any_equals || !row.keys.empty()) return entries_of(row, words);
+  if (words[0].starts_with('{') || words[0].starts_with('[')) return parse_flow(joined(words));
+  const bool pairs = std::any_of(words.begin(), words.end(),
+                                 [](const auto& w) { return w.find('=') != std::string::npos || has_colon(w); });
+  if (pairs || !row.keys.empty()) return entries_of(row, words);
   if (row.first_is_key && words.size() > 1) return Json{{words[0], joined(words, 1)}};
   if (row.info.name == "parameter" && words.size() > 1) {
     double number = 0;

@@ -48,7 +48,8 @@ void Plant::wire(DriveUnit& d) {
 Plant::~Plant() {
   if (tick_event_ != 0) scheduler_.cancel(tick_event_);
   for (const auto& d : drives_)
-    for (const kernel::EventId id : {d->board_event, d->dip_ends, d->power_returns, d->reset_released, d->load_ramp_ends})
+    for (const kernel::EventId id :
+         {d->board_event, d->dip_ends, d->power_returns, d->reset_released, d->load_ramp_ends})
       if (id != 0) scheduler_.cancel(id);
 }
 
@@ -72,6 +73,9 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   losses.standby_w = spec.losses.standby_w.value_or(losses.standby_w);
   config.losses = losses;
   if (spec.mains_v_rms) config.mains = plant::MainsState{.voltage_v_rms = *spec.mains_v_rms};
+  config.mains_frequency_hz = spec.mains_frequency_hz;
+  config.mains_phase_rad = spec.mains_phase_rad;
+  config.voltage_table = spec.voltage_table;
   config.ambient_c = spec.ambient_c;
   config.brake_resistance_ohm = spec.brake_resistor_ohm;
   config.source_resistance_ohm = spec.source_resistance_ohm;
@@ -89,6 +93,7 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   auto made = options.catalogue.make_inverter(spec.family, config);
   if (!made) refuse(spec.model.at, spec.name, made.error());
   d->inverter = std::move(made).value();
+  if (const auto set = d->inverter->set_motor_source(spec.motor_source); !set) refuse(spec.at, spec.name, set.error());
   // Not what the plant has now: the breaker is open.
   d->mains =
       config.mains.value_or(plant::MainsState{.voltage_v_rms = d->inverter->plant().config().nominal_mains_v_rms});

@@ -11,8 +11,10 @@
 #include <fstream>
 #include <numbers>
 
+#include "sim/rig/motor_source.hpp"
 #include "sim/rig/network_reader.hpp"
 #include "sim/rig/node_plan.hpp"
+#include "sim/rig/trace.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/rig/yaml_map.hpp"
 
@@ -320,7 +322,15 @@ class Loader {
       if (m) {
         d.mains_v_rms = m.number("voltage_V", {0, 1000});
         d.source_resistance_ohm = m.number("source_resistance_ohm", {0, 100, true});
+        if (const auto v = m.number("frequency_Hz", {40, 70})) d.mains_frequency_hz = *v;
+        if (const auto v = m.number("phase_deg", {-360, 360})) d.mains_phase_rad = *v * std::numbers::pi / 180;
       }
+    }
+    if (const YAML::Node* file = map.find("voltage_table")) voltage_table(*file, d);
+    if (const auto v = map.word("motor_source", kMotorSources)) {
+      d.motor_source = *motor_source_of(*v);
+      if (d.motor_source == plant::MotorSource::kTable && !map.has("voltage_table"))
+        problems_.add(*map.find("motor_source"), "motor_source of " + d.name + " is table; add a voltage_table.");
     }
     if (const YAML::Node* node = map.find("losses")) {
       const YamlMap l(*node, "losses of " + d.name, &keys("drives[].losses"), problems_);
@@ -338,6 +348,23 @@ class Loader {
       d.solver = *v == "erk"         ? plant::SolverChoice::kErk
                  : *v == "cvode_bdf" ? plant::SolverChoice::kCvodeBdf
                                      : plant::SolverChoice::kRk4;
+  }
+
+  // time_s, alpha V, beta V: beside this file.
+  void voltage_table(const YAML::Node& node, DriveSpec& d) {
+    const auto name = read_text(node, "voltage_table of " + d.name, problems_);
+    if (!name) return;
+    const std::string path = (std::filesystem::path(file_.path).parent_path() / *name).lexically_normal().string();
+    const auto refuse = [&](const std::string& why) { problems_.add(node, path + " " + why); };
+    const auto table = load_trace(path);
+    if (!table) return refuse(table.error());
+    const Trace::Column* alpha = table->find("alpha");
+    const Trace::Column* beta = table->find("beta");
+    if (alpha == nullptr || beta == nullptr || table->columns.size() != 2 || alpha->unit != "V" || beta->unit != "V")
+      return refuse("is no voltage table: its header must be time_s,alpha V,beta V.");
+    for (std::size_t i = 0; i < table->time_s.size(); ++i)
+      d.voltage_table.push_back({table->time_s[i], alpha->values[i], beta->values[i]});
+    if (const auto fine = plant::validate(d.voltage_table); !fine) refuse("is refused: " + fine.error() + ".");
   }
 
   // --- boards ---
@@ -440,8 +467,8 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
       {"", {"name", "networks", "drives"}},
       {"networks.*", {"serial", "modbus_tcp", "can", "bitrate", "socketcand", "slcan", "channel"}},
       {"drives[]",
-       {"name", "inverter", "motor", "load", "mains", "losses", "ideal", "brake_resistor_ohm", "ambient_C", "solver", "power",
-        "board", "terminals", "analog", "parameters"}},
+       {"name", "inverter", "motor", "motor_source", "voltage_table", "load", "mains", "losses", "ideal",
+        "brake_resistor_ohm", "ambient_C", "solver", "power", "board", "terminals", "analog", "parameters"}},
       {"drives[].inverter", {"family", "model"}},
       {"drives[].motor",
        {"preset", "R_s_ohm", "R_r_ohm", "L_ls_H", "L_lr_H", "L_m_H", "pole_pairs", "inertia_kg_m2", "rated_power_W",
@@ -450,7 +477,7 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
       {"drives[].load.torque", {"constant_Nm", "linear_Nm_at_rated", "quadratic_Nm_at_rated", "hoist_Nm", "table"}},
       {"drives[].load.torque.table[]", {"time_s", "torque_Nm"}},
       {"drives[].load.friction", {"viscous_Nm_s", "coulomb_Nm"}},
-      {"drives[].mains", {"voltage_V", "source_resistance_ohm"}},
+      {"drives[].mains", {"voltage_V", "source_resistance_ohm", "frequency_Hz", "phase_deg"}},
       {"drives[].losses", {"iron_W_at_rated", "inverter_fraction", "standby_W"}},
       {"drives[].board", {"type", "node", "modbus_rtu", "modbus_tcp", "network"}},
   };

@@ -72,6 +72,10 @@ struct DriveSpec {
   bool ideal = false;  // no losses and no friction but those that are named
   std::optional<double> mains_v_rms;
   std::optional<double> source_resistance_ohm;
+  double mains_frequency_hz = 50;
+  double mains_phase_rad = 0;
+  plant::MotorSource motor_source = plant::MotorSource::kInverter;  // at start
+  std::vector<plant::VoltagePoint> voltage_table;
   double brake_resistor_ohm = 0;
   double ambient_c = 25;
   plant::SolverChoice solver = plant::SolverChoice::kErk;

@@ -18,6 +18,12 @@ void change(StateTrace& trace, Instant now, std::string_view value) {
     trace.changes.push_back({now, std::string(value)});
 }
 
+// In each tick and for each state: on and off differ in length.
+void change(StateTrace& trace, Instant now, bool on) {
+  const std::string_view value = on ? "on" : "off";
+  if (trace.changes.empty() || trace.changes.back().value.size() != value.size()) change(trace, now, value);
+}
+
 }  // namespace
 
 Recorder::Recorder(std::vector<const Observer*> drives, RecorderSettings settings)
@@ -33,6 +39,9 @@ Recorder::Recorder(std::vector<const Observer*> drives, RecorderSettings setting
   ring_rows_ = static_cast<std::size_t>(settings_.before / settings_.period);
   ring_.times.reserve(ring_rows_);
   ring_.cells.reserve(ring_rows_ * width_);
+  // Room for all is only addresses; moving what is there costs more than making it.
+  base_.times.reserve(settings_.max_cells / std::max<std::size_t>(width_, 1) + 2);
+  base_.cells.reserve(settings_.max_cells + width_);
 }
 
 void Recorder::append(Rows& rows, Instant now, const double* row) const {
@@ -102,11 +111,11 @@ void Recorder::record_states(Instant now) {
   std::size_t i = 0;
   for (const Observer* d : drives_) {
     const Snapshot& s = d->seen();
-    for (const bool on : s.states) change(states_[i++], now, on ? "on" : "off");
+    for (const bool on : s.states) change(states_[i++], now, on);
     change(states_[i++], now, s.alarm);
     change(states_[i++], now, rig::mode_name(s.mode));
     change(states_[i++], now, s.led);
-    for (const bool on : s.terminals) change(states_[i++], now, on ? "on" : "off");
+    for (const bool on : s.terminals) change(states_[i++], now, on);
   }
 }
 
@@ -119,6 +128,10 @@ Recording Recorder::take() {
   for (const Observer* d : drives_)
     for (std::size_t i = 0; i < d->signal_names().size(); ++i)
       out.columns.push_back({d->drive().spec.name, d->signal_names()[i], d->signal_units()[i], {}});
+  std::size_t most = base_.times.size();
+  for (const Window& w : windows_) most += w.rows.times.size();
+  out.times.reserve(most);
+  for (SignalColumn& c : out.columns) c.values.reserve(most);
   const auto add = [&](const Rows& rows, std::size_t i) {
     if (!out.times.empty() && rows.times[i] <= out.times.back()) return;
     out.times.push_back(rows.times[i]);

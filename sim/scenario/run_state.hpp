@@ -8,9 +8,15 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/bytes.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::scenario {
+
+struct HeardFrame {
+  Instant at{};  // of the look that found it
+  Bytes bytes;
+};
 
 struct LoopState {
   std::size_t begin = 0;  // index of the RepeatBegin
@@ -31,6 +37,9 @@ struct TrackState {
   std::optional<double> last;
   Instant last_at{};
   std::vector<std::pair<Instant, double>> samples;
+  // Its last word through a master, or the first of several frames that it sent: what was heard before is no answer.
+  std::optional<Instant> spoke_at;
+  bool sending = false;  // frames, and has not expected one since
 };
 
 struct WatchState {

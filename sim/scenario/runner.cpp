@@ -195,6 +195,11 @@ Runner::Progress Runner::run_step(Instant now, std::size_t i) {
   } else if (const auto* note = std::get_if<Note>(&step.what)) {
     event(now, Event::Kind::kNote, "", note->text, step.at.line);
   } else if (const auto* frame = std::get_if<SendFrame>(&step.what)) {
+    if (!t.sending) {
+      hear(now, step.via);
+      t.spoke_at = now;
+      t.sending = true;
+    }
     masters_.at(step.via)->send_frame(now, frame->bytes);
     event(now, Event::Kind::kAction, "", step.text + " via " + step.via, step.at.line);
     state_.acted = true;
@@ -227,6 +232,9 @@ Runner::Progress Runner::poll_step(Instant now, std::size_t i) {
       master_user_[step.via] = i;
       t.started = true;
       event(now, Event::Kind::kAction, drive_name(step), step.text + " via " + step.via, step.at.line);
+      hear(now, step.via);
+      t.spoke_at = now;
+      t.sending = false;
       master.begin(now, step.drive, action->command, action->value);
     }
     const auto outcome = master.poll(now);

@@ -69,6 +69,7 @@ class Runner {
   Progress poll_ramp(Instant now, std::size_t track, const Step& step, const Ramp& r);
   void judge_ramp(Instant now, std::size_t track, const Step& step, const Ramp& r, Instant end);
   Progress poll_trip(Instant now, std::size_t track, const Step& step, const Trip& t);
+  void hear(Instant now, const std::string& via);
   Progress poll_frame(Instant now, std::size_t track, const Step& step, const ExpectFrame& f);
   void begin_watch(Instant now, std::size_t track, std::size_t step_index, const Watch& w);
   void follow_trace(Instant now, WatchState& state, const Step& step, const Watch& w);
@@ -94,8 +95,8 @@ class Runner {
   std::vector<Snapshot> before_;  // what the drives were like a tick ago
   std::unique_ptr<Recorder> recorder_;
   std::map<std::string, std::unique_ptr<Master>> masters_;
-  std::map<std::string, std::size_t> master_user_;  // track that uses it now
-  std::map<std::string, std::vector<Bytes>> frames_;
+  std::map<std::string, std::size_t> master_user_;         // track that uses it now
+  std::map<std::string, std::vector<HeardFrame>> frames_;  // that no step has expected yet, oldest first
   std::vector<Wakeup> wakeups_;
   kernel::EventId start_event_ = 0;
   kernel::EventId tick_event_ = 0;

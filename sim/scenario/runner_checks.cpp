@@ -17,6 +17,7 @@ using Phase = TrackState::Phase;
 constexpr Duration kTripSettles = std::chrono::milliseconds(100);
 constexpr std::size_t kMaxChecks = 100'000;
 constexpr std::size_t kMaxRampSamples = 200'000;
+constexpr std::size_t kMaxHeard = 4096;
 
 // Numbers that were computed are equal up to this part of the span.
 constexpr double kRounding = 1e-6;
@@ -25,6 +26,20 @@ Instant crossing(Instant t0, double v0, Instant t1, double v1, double level) {
   if (v1 == v0) return t1;
   const double part = std::clamp((level - v0) / (v1 - v0), 0.0, 1.0);
   return t0 + Duration{static_cast<std::int64_t>(std::llround(part * static_cast<double>((t1 - t0).count())))};
+}
+
+// What was heard in place of an expected frame: how many, and the last of them.
+std::string other_frames(const std::vector<HeardFrame>& heard, std::optional<Instant> since) {
+  constexpr std::size_t kShown = 3;
+  std::vector<std::string> texts;
+  for (const HeardFrame& frame : heard)
+    if (!since || frame.at > *since) texts.push_back(show_bytes(frame.bytes));
+  if (texts.empty()) return "no frame";
+  std::string out = std::to_string(texts.size()) + (texts.size() == 1 ? " other frame" : " other frames");
+  const std::size_t first = texts.size() > kShown ? texts.size() - kShown : 0;
+  out += first > 0 ? ", at last " : ": ";
+  for (std::size_t i = first; i < texts.size(); ++i) out += (i == first ? "" : " | ") + texts[i];
+  return out;
 }
 
 std::string seconds(Duration d) { return show_duration(std::chrono::duration_cast<std::chrono::microseconds>(d)); }
@@ -236,24 +251,36 @@ Runner::Progress Runner::poll_trip(Instant now, std::size_t i, const Step& step,
 
 // --- frames ---
 
+void Runner::hear(Instant now, const std::string& via) {
+  auto& heard = frames_[via];
+  for (Bytes& frame : masters_.at(via)->take_frames()) heard.push_back({now, std::move(frame)});
+  if (heard.size() > kMaxHeard) heard.erase(heard.begin(), heard.end() - static_cast<std::ptrdiff_t>(kMaxHeard));
+}
+
 Runner::Progress Runner::poll_frame(Instant now, std::size_t i, const Step& step, const ExpectFrame& f) {
   TrackState& t = state_.tracks[i];
-  auto& waiting = frames_[step.via];
-  for (Bytes& frame : masters_.at(step.via)->take_frames()) waiting.push_back(std::move(frame));
-  const auto matches = [&](const Bytes& frame) {
-    if (frame.size() != f.bytes.size()) return false;
-    for (std::size_t k = 0; k < frame.size(); ++k)
-      if ((frame[k] & f.mask[k]) != (f.bytes[k] & f.mask[k])) return false;
+  t.sending = false;
+  hear(now, step.via);
+  auto& heard = frames_[step.via];
+  const auto matches = [&](const HeardFrame& frame) {
+    if (t.spoke_at && frame.at <= *t.spoke_at) return false;
+    if (frame.bytes.size() != f.bytes.size()) return false;
+    for (std::size_t k = 0; k < frame.bytes.size(); ++k)
+      if ((frame.bytes[k] & f.mask[k]) != (f.bytes[k] & f.mask[k])) return false;
     return true;
   };
-  const auto it = std::find_if(waiting.begin(), waiting.end(), matches);
-  const bool found = it != waiting.end();
-  if (!found && now - t.begun < patience(f.within)) return Progress::kNone;
-  result(now, &step, found, "expect_frame", step.text,
-         found ? "after " + seconds(now - t.begun) : std::to_string(waiting.size()) + " other frames");
+  const auto it = std::find_if(heard.begin(), heard.end(), matches);
+  const bool found = it != heard.end();
+  const bool over = now - t.begun >= (f.absent ? f.within : patience(f.within));
+  if (!found && !over) return Progress::kNone;
+  const std::string when = "after " + seconds(now - t.begun);
+  const bool passed = found != f.absent;
+  result(now, &step, passed, "expect_frame", step.text,
+         found ? (passed ? when : show_bytes(it->bytes) + " " + when)
+               : (passed ? "none in " + seconds(now - t.begun) : other_frames(heard, t.spoke_at)));
   // A sequence is told in its order: what came before is over.
-  if (found) waiting.erase(waiting.begin(), it + 1);
-  if (!found) {
+  if (found) heard.erase(heard.begin(), it + 1);
+  if (!passed) {
     stop(now);
     return Progress::kNone;
   }

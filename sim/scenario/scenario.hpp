@@ -14,7 +14,7 @@
 #include "sim/base/time.hpp"
 #include "sim/rig/commands.hpp"
 #include "sim/rig/plant_file.hpp"
-#include "sim/scenario/trace.hpp"
+#include "sim/rig/trace.hpp"
 
 namespace vinv::scenario {
 
@@ -98,11 +98,11 @@ struct Watch {
   };
   Kind kind = Kind::kAlways;
   std::size_t number = 0;
-  Condition all;         // kAlways, kNever
-  Observable what;       // the others
-  double target = 0;     // kOvershoot
-  double tolerance = 0;  // kOvershoot: how far beyond the target; kRising, kFalling: how far back
-  std::shared_ptr<const Trace> trace;  // kFollows
+  Condition all;                            // kAlways, kNever
+  Observable what;                          // the others
+  double target = 0;                        // kOvershoot
+  double tolerance = 0;                     // kOvershoot: how far beyond the target; kRising, kFalling: how far back
+  std::shared_ptr<const rig::Trace> trace;  // kFollows
   std::vector<Followed> followed;
   Duration trace_begin{};  // its time at the beginning of the span
 };
@@ -128,6 +128,7 @@ struct ExpectFrame {
   Bytes bytes;
   Bytes mask;  // as long as bytes; a bit that is 0 may be anything
   Duration within{};
+  bool absent = false;  // no such frame may come in that time
 };
 
 struct Step {

@@ -14,8 +14,10 @@
 #include "sim/rig/quantity.hpp"
 #include "sim/rig/words.hpp"
 #include "sim/rig/yaml_map.hpp"
+#include "sim/scenario/node_values.hpp"
 #include "sim/scenario/protocol_masters.hpp"
 #include "sim/scenario/step_reader.hpp"
+#include "sim/scenario/substitution.hpp"
 #include "sim/scenario/trial.hpp"
 
 namespace vinv::scenario {
@@ -307,7 +309,7 @@ const std::map<std::string, std::vector<std::string_view>>& scenario_keys() {
         {"steps[].ramp", {"signal", "from", "to", "time", "tolerance", "linearity"}},
         {"steps[].trip", {"code", "within", "cause", "tolerance"}},
         {"steps[].reached", {"within", "not_before", "tolerance"}},
-        {"steps[].expect_frame", {"bytes", "mask", "within"}},
+        {"steps[].expect_frame", {"bytes", "mask", "within", "absent_for"}},
     };
     Keys step = action_words();
     for (const std::string_view word :

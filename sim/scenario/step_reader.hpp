@@ -3,44 +3,18 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "sim/rig/yaml_map.hpp"
+#include "sim/scenario/check_reader.hpp"
 #include "sim/scenario/expectation_reader.hpp"
 #include "sim/scenario/scenario_file.hpp"
 #include "sim/scenario/trial.hpp"
 
 namespace vinv::scenario {
-
-// Replaces variables in the scalars below a node, and puts the texts as written back at the end of its life, so that
-// the same nodes can be read again with other values. Positions stay those of the file.
-class Substitution {
- public:
-  // skip: keys whose values are not touched.
-  Substitution(const YAML::Node& node, const Variables& variables, rig::Problems& problems,
-               const std::vector<std::string_view>& skip = {});
-  ~Substitution();
-  Substitution(const Substitution&) = delete;
-  Substitution& operator=(const Substitution&) = delete;
-  void keep() { undo_.clear(); }
-  // A variable could not be replaced, which is a problem already.
-  bool failed() const { return failed_; }
-
- private:
-  void visit(YAML::Node node, const Variables& variables, rig::Problems& problems,
-             const std::vector<std::string_view>& skip);
-  std::vector<std::pair<YAML::Node, std::string>> undo_;
-  bool failed_ = false;
-};
-
-// A time within [minimum, maximum] of the given ones.
-std::optional<Duration> read_duration(const YAML::Node& node, const std::string& what, Duration minimum,
-                                      rig::Problems& problems);
 
 class StepReader {
  public:
@@ -62,12 +36,8 @@ class StepReader {
   void repeat(const YAML::Node& value, Step step, const Variables& variables, int depth, std::vector<Step>& out);
   void watch(const StepMap& map, const YAML::Node& value, Step step, const Variables& variables, int depth,
              std::vector<Step>& out);
-  bool follows(const YAML::Node& value, const ExpectationReader& reader, Watch& w);
-  std::optional<Step::What> check(const StepMap& map, const YAML::Node& value, const ExpectationReader& reader);
-  std::optional<Step::What> reached(const YAML::Node& value, const ExpectationReader& reader);
-  std::optional<Step::What> ramp(const YAML::Node& value, const ExpectationReader& reader);
-  std::optional<Step::What> trip(const YAML::Node& value, const ExpectationReader& reader, std::size_t drive);
-  std::optional<Step::What> frame(const std::string& word, const YAML::Node& value, const Step& step);
+  std::optional<Step::What> frame(const std::string& word, const YAML::Node& value, const Step& step,
+                                  const CheckReader& checks);
 
   Trial& trial_;
   const LoadOptions& options_;

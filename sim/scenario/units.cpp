@@ -1,6 +1,7 @@
 #include "sim/scenario/units.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -76,5 +77,7 @@ std::string show_duration(Duration d) {
 }
 
 std::string show_time(Instant t) { return fmt::format("{:.3f} s", to_seconds(t)); }
+
+std::string show_bytes(ByteView bytes) { return fmt::format("{:02X}", fmt::join(bytes, " ")); }
 
 }  // namespace vinv::scenario

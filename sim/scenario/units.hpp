@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/bytes.hpp"
 #include "sim/base/result.hpp"
 #include "sim/base/time.hpp"
 
@@ -21,5 +22,8 @@ std::string show_value(double value, std::string_view signal_unit);
 std::string show_duration(Duration d);
 // "3.412 s"
 std::string show_time(Instant t);
+
+// "05 06 5D", two digits a byte.
+std::string show_bytes(ByteView bytes);
 
 }  // namespace vinv::scenario

@@ -197,7 +197,7 @@ int shrink(const CampaignOptions& options) {
 void print_schema() {
   auto schema = rig::Json::parse(data::CAMPAIGN_SCHEMA);
   auto scenario = rig::Json::parse(data::SCENARIO_SCHEMA);
-  auto plant = rig::Json::parse(data::PLANT_SCHEMA);
+  auto plant = rig::Json::parse(data::SCENARIO_PLANT_SCHEMA);
   for (auto* part : {&scenario, &plant}) part->erase("$schema");
   for (auto& [name, definition] : scenario["definitions"].items()) schema["definitions"][name] = definition;
   scenario.erase("definitions");
@@ -214,6 +214,15 @@ void add_campaign(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CampaignOptions>();
   CLI::App* sub = app.add_subcommand("campaign", "Run thousands of variations of a scenario, in shards");
   sub->require_subcommand(1);
+  sub->footer(R"(
+Examples:
+  vinverter campaign check scenarios/campaigns/deceleration_ov3.yaml
+  vinverter campaign run FILE --out results     all cases that have no result yet
+  vinverter campaign run FILE --out results --shard 3/8
+  vinverter campaign missing FILE --out results
+  vinverter campaign merge FILE --out results   one JUnit, HTML and CSV file
+  vinverter campaign shrink FILE 6              why case 6 fails, as small as possible
+)");
   const auto command = [&](const char* name, const char* help, int (*act)(const CampaignOptions&)) {
     CLI::App* c = sub->add_subcommand(name, help);
     c->add_option("FILE", options->file, "Campaign file")->required();

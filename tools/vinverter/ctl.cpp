@@ -53,6 +53,7 @@ void print_signals(const Json& signals) {
 void print_status(const Json& s) {
   fmt::print("{}  {} {}  mode {}  display {}{}\n", text_of(s["name"]), text_of(s["family"]), text_of(s["model"]),
              text_of(s["mode"]), text_of(s["display"]), s["powered"].get<bool>() ? "" : "  (no power)");
+  if (s["motor_source"] != "inverter") fmt::print("  the motor hangs on: {}\n", text_of(s["motor_source"]));
   if (!s["alarm"].is_null()) fmt::print("  alarm {}: {}\n", text_of(s["alarm"]["name"]), text_of(s["alarm"]["cause"]));
   if (!s["alarm_history"].empty()) {
     fmt::print("  alarm history (newest first):");

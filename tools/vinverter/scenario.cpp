@@ -181,7 +181,7 @@ void print_schema() {
   auto schema = rig::Json::parse(data::SCENARIO_SCHEMA);
   for (rig::Json& form : schema["properties"]["plant"]["anyOf"]) {
     if (!form.contains("$ref")) continue;
-    form = rig::Json::parse(data::PLANT_SCHEMA);
+    form = rig::Json::parse(data::SCENARIO_PLANT_SCHEMA);
     form.erase("$schema");
   }
   fmt::print("{}\n", schema.dump(2));
@@ -193,6 +193,17 @@ void add_scenario(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   CLI::App* sub = app.add_subcommand("scenario", "Run scripted stories with checks, in virtual time or live");
   sub->require_subcommand(1);
+  sub->footer(R"(
+Examples:
+  vinverter scenario list                       what there is, with what it shows
+  vinverter scenario run scenarios/fr-e500      of a folder all scenarios in it and below
+  vinverter scenario check my_story.yaml        every mistake of a file, without running it
+  vinverter scenario run my_story.yaml --report out --junit out/junit.xml
+  vinverter scenario run my_story.yaml --set ramp=2s --seed 7
+  vinverter scenario run my_story.yaml --live   in real time, for a real master
+
+Exit codes: 0 all passed; 1 one failed; 2 one could not run, or a report could not be written.
+)");
   const auto common = [&](CLI::App* command) {
     command->add_option("PATH", options->paths, "Scenario files, or folders with them")->required();
     command->add_option("--filter", options->filter, "Only those with this text in their path or title");
@@ -212,7 +223,8 @@ void add_scenario(CLI::App& app, int& exit_code) {
   common(run_command);
   run_command->add_flag("--live", options->live, "In real time, with the plant's wires open, one after the other");
   run_command->add_option("--junit", options->junit, "Write a JUnit XML file");
-  run_command->add_option("--report", options->report, "Write HTML, CSV, candump and pcapng of each run into this folder");
+  run_command->add_option("--report", options->report,
+                          "Write HTML, CSV, candump and pcapng of each run into this folder");
   CLI::Option* seed = run_command->add_option("--seed", options->seed, "In place of the files' seeds");
   run_command->add_option("--jobs", options->jobs, "How many run at a time; default: one per processor");
   run_command->add_flag("--verbose", options->verbose, "Print all events of each run");

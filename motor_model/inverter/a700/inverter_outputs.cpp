@@ -45,7 +45,7 @@ bool A700Inverter::output_on(std::size_t terminal, OutputSignal signal) const {
 }
 
 double A700Inverter::monitor_value(unsigned code) const {
-  const plant::PlantMeasurements& m = plant_.measurements();
+  const plant::PlantMeasurements m = measured();
   const drive::DriveOutputs& out = core_.outputs();
   const mitsubishi::Published& p = v_.published;
   const plant::MachineParameters& machine = plant_.config().machine;
@@ -150,7 +150,7 @@ double A700Inverter::meter_share(unsigned code) const {
 void A700Inverter::publish_family(OutputSignals& o) {
   mitsubishi::Published& p = v_.published;
   const drive::DriveOutputs& out = core_.outputs();
-  const plant::PlantMeasurements& m = plant_.measurements();
+  const plant::PlantMeasurements m = measured();
   const double hz = std::abs(out.output_frequency_hz);
   const double speed_hz = std::abs(plant_.config().machine.pole_pairs * m.speed_rpm / 60);
   const bool started = v_.direction != RunDirection::kStop;

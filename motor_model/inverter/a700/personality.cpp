@@ -45,7 +45,7 @@ constexpr std::array<AnalogTerminal, 3> kAnalogs{{
     {"4", AnalogInput::k4, 0, 40, "V or mA"},
     {"1", AnalogInput::k1, -10, 10, "V"},
 }};
-constexpr std::array<CauseName, 9> kCauses{{
+constexpr std::array<CauseName, 12> kCauses{{
     {"earth_fault", &Causes::earth_fault},
     {"output_phase_open", &Causes::output_phase_open},
     {"brake_transistor", &Causes::brake_transistor},
@@ -53,6 +53,9 @@ constexpr std::array<CauseName, 9> kCauses{{
     {"option", &Causes::option},
     {"external_thermal", &Causes::external_thermal},
     {"pu_disconnected", &Causes::pu_disconnected},
+    {"current_sensor", &Causes::current_sensor},
+    {"dc_link_sensor", &Causes::dc_link_sensor},
+    {"heat_sink_sensor", &Causes::heat_sink_sensor},
     {"thermistor", &Causes::thermistor},
     {"fan", &Causes::fan},
 }};

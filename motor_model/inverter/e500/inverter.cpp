@@ -151,10 +151,7 @@ void E500Inverter::publish_family(OutputSignals&) {
   const auto ratio = [](double value, double full_scale) { return full_scale > 0 ? value / full_scale : 0; };
   switch (store_.integer(pr::kAmSelection)) {
     case 1: share = ratio(v_.current_monitor.output, store_.value(pr::kCurrentFullScale)); break;
-    case 2:
-      share = ratio(plant_.measurements().gates_on ? plant_.measurements().output_voltage_v_rms : 0,
-                    2 * model_.voltage_class_v);
-      break;
+    case 2: share = ratio(measured().gates_on ? measured().output_voltage_v_rms : 0, 2 * model_.voltage_class_v); break;
     default: share = ratio(std::abs(core_.outputs().output_frequency_hz), store_.value(pr::kFrequencyFullScale));
   }
   p.am_v = std::clamp(share * kAmFullScale_v * store_.value(pr::kAmCalibration) / 100, 0.0, kAmFullScale_v);

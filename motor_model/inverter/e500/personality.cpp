@@ -34,7 +34,7 @@ constexpr std::array<AnalogTerminal, 2> kAnalogs{{
     {"2", AnalogInput::k2, 0, 10, "V"},
     {"4", AnalogInput::k4, 0, 20, "mA"},
 }};
-constexpr std::array<CauseName, 7> kCauses{{
+constexpr std::array<CauseName, 10> kCauses{{
     {"earth_fault", &Causes::earth_fault},
     {"output_phase_open", &Causes::output_phase_open},
     {"brake_transistor", &Causes::brake_transistor},
@@ -42,6 +42,9 @@ constexpr std::array<CauseName, 7> kCauses{{
     {"option", &Causes::option},
     {"external_thermal", &Causes::external_thermal},
     {"pu_disconnected", &Causes::pu_disconnected},
+    {"current_sensor", &Causes::current_sensor},
+    {"dc_link_sensor", &Causes::dc_link_sensor},
+    {"heat_sink_sensor", &Causes::heat_sink_sensor},
 }};
 
 }  // namespace

@@ -54,6 +54,7 @@ class MitsubishiInverter : public Inverter, protected port::DrivePort {
   bool powered() const override;
   void set_mains(const plant::MainsState& mains) override;
   void set_load(const plant::LoadSettings& load) override { plant_.set_load(load); }
+  Outcome set_motor_source(plant::MotorSource source) override;
   void set_shaft_locked(bool locked) override { plant_.set_shaft_locked(locked); }
   void set_ambient(double celsius) override { plant_.set_ambient(celsius); }
   const plant::PowerPlant& plant() const override { return plant_; }
@@ -118,6 +119,8 @@ class MitsubishiInverter : public Inverter, protected port::DrivePort {
   void set_option_failed(bool failed) override { v_.network.option_failed = failed; }
 
   // --- for the families ---
+  // What the drive takes the plant to be: a sensor may have failed.
+  plant::PlantMeasurements measured() const;
   InputSignals assigned(port::NetTerminals closed) const;
   InputSignals wired_signals() const;
   bool has_function(InputSignal signal) const;

@@ -66,7 +66,7 @@ std::string MitsubishiInverter::trip_cause(const AlarmRow& row, const drive::Tri
                     s.electronic_thermal_a_rms) +
              when;
     case TripKind::kHeatSink:
-      return format("heat sink %.0f degC (level %.0f degC) ", m.heat_sink_c, s.heat_sink_trip_c) + when;
+      return format("heat sink %.0f degC (level %.0f degC) ", trip.value, s.heat_sink_trip_c) + when;
     case TripKind::kStallPrevention:
       return format("stall prevention at %.0f %% with %.2f A and %.4g Nm of load%s ", s.stall_level_percent,
                     m.output_current_a_rms, m.load_torque_nm, plant_.shaft_locked() ? ", shaft locked, " : ",") +

@@ -28,6 +28,9 @@ plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, doub
   p.comparators.under_voltage_v = m.under_voltage_v;
   p.comparators.under_voltage_clear_v = m.under_voltage_clear_v;
   p.nominal_mains_v_rms = nominal_mains_v_rms;
+  p.mains_frequency_hz = c.mains_frequency_hz;
+  p.mains_phase_rad = c.mains_phase_rad;
+  p.voltage_table = c.voltage_table;
   p.ambient_c = c.ambient_c;
   p.mains.voltage_v_rms = 0;  // the breaker is open until set_power
   return p;
@@ -35,6 +38,12 @@ plant::PlantConfig plant_config(const InverterConfig& c, const ModelRow& m, doub
 
 double nominal_mains(const InverterConfig& c, const ModelRow& m) {
   return c.mains && c.mains->voltage_v_rms > 0 ? c.mains->voltage_v_rms : m.voltage_class_v;
+}
+
+// What a contactor to the motor gets: nothing unless all phases are there.
+double line_v(const plant::MainsState& mains) {
+  const auto& phases = mains.phase_present;
+  return std::all_of(phases.begin(), phases.end(), [](bool there) { return there; }) ? mains.voltage_v_rms : 0;
 }
 
 }  // namespace
@@ -50,7 +59,9 @@ MitsubishiInverter::MitsubishiInverter(const Personality& personality, const Inv
       snapshot_grid_(config.snapshot_grid),
       mains_(config.mains.value_or(plant::MainsState{.voltage_v_rms = model.voltage_class_v})),
       store_(std::move(store)),
-      plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {}
+      plant_(plant_config(config, model, nominal_mains_v_rms_), config.solver) {
+  plant_.set_line(line_v(mains_));
+}
 
 // --- terminals ---
 
@@ -89,6 +100,7 @@ Outcome MitsubishiInverter::set_analog(std::string_view terminal, double value) 
 
 std::vector<std::pair<std::string_view, bool>> MitsubishiInverter::terminals() const {
   std::vector<std::pair<std::string_view, bool>> out;
+  out.reserve(personality_.inputs.size() + personality_.outputs.size());
   for (const InputTerminal& input : personality_.inputs) out.emplace_back(input.name, wiring_.closed.has(input.bit));
   for (std::size_t i = 0; i < personality_.outputs.size(); ++i) {
     const OutputTerminal& output = personality_.outputs[i];
@@ -125,7 +137,16 @@ void MitsubishiInverter::set_power(bool on) {
 
 void MitsubishiInverter::set_mains(const plant::MainsState& mains) {
   mains_ = mains;
+  plant_.set_line(line_v(mains));
   set_power(breaker_);
+}
+
+Outcome MitsubishiInverter::set_motor_source(plant::MotorSource source) {
+  if (source == plant::MotorSource::kTable && plant_.config().voltage_table.empty()) {
+    return Unexpected(std::string("the plant file has no voltage_table for this drive"));
+  }
+  plant_.set_motor_source(source);
+  return {};
 }
 
 bool MitsubishiInverter::powered() const {
@@ -204,6 +225,8 @@ std::vector<SignalValue> MitsubishiInverter::signals() const {
       {"fan", p.fan ? 1.0 : 0.0, "-"},
       {"carrier", settings_.carrier_hz, "Hz"},
       {"operating_hours", hours / 3600, "h"},
+      {"motor_current", m.motor_current_a_rms, "A"},
+      {"motor_voltage", m.motor_voltage_v_rms, "V"},
   };
 }
 
@@ -228,6 +251,9 @@ Result<Prepared, std::string> prepare(const Personality& personality, const Inve
       !(config.mains->voltage_v_rms >= 0 && config.mains->voltage_v_rms <= 1.5 * model->voltage_class_v)) {
     return Unexpected("mains: a " + model->model + " takes 0 to " +
                       std::to_string(static_cast<int>(1.5 * model->voltage_class_v)) + " V");
+  }
+  if (!(config.mains_frequency_hz >= 40 && config.mains_frequency_hz <= 70)) {
+    return Unexpected(std::string("mains frequency: must be 40 to 70 Hz"));
   }
   if (config.snapshot_grid < Duration{} || config.snapshot_grid % Inverter::kControlPeriod != Duration{}) {
     return Unexpected(std::string("snapshot grid: must be a multiple of 1 ms, or 0"));

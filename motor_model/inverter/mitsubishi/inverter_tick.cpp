@@ -130,8 +130,8 @@ plant::StageInput MitsubishiInverter::tune(const Inputs& inputs) {
     finish_tuning();
     return {};
   }
-  const auto stage = v_.tuning.step(kPeriod_s, model_.rated_current_a_rms,
-                                    plant_.measurements().dc_link_v / std::numbers::sqrt3, plant_.measurements());
+  const auto stage =
+      v_.tuning.step(kPeriod_s, model_.rated_current_a_rms, measured().dc_link_v / std::numbers::sqrt3, measured());
   if (v_.tuning.running()) return stage;
   v_.tuning_status = v_.tuning.succeeded() ? TuningStatus::kDone : TuningStatus::kAlarm;
   if (v_.tuning.succeeded()) store_tuned_resistance(v_.tuning.resistance_ohm());
@@ -164,7 +164,7 @@ plant::StageInput MitsubishiInverter::control() {
   command.external_thermal = in.external_thermal;
   command.permit = permit;
 
-  const plant::PlantMeasurements& m = plant_.measurements();
+  const plant::PlantMeasurements m = measured();
   drive::Sensors sensors;
   sensors.current_a_rms = m.output_current_a_rms;
   sensors.current_peak_a = m.current_peak_a;
@@ -204,6 +204,16 @@ plant::StageInput MitsubishiInverter::control() {
   return stage;
 }
 
+// The comparators of over-current and over-voltage have taps of their own, and act whatever the sensors read.
+plant::PlantMeasurements MitsubishiInverter::measured() const {
+  constexpr double kOpenThermistor_c = 150;
+  plant::PlantMeasurements m = plant_.measurements();
+  if (causes_.current_sensor) m.output_current_a_rms = m.current_peak_a = m.active_current_a_rms = 0;
+  if (causes_.dc_link_sensor) m.dc_link_v = 0;
+  if (causes_.heat_sink_sensor) m.heat_sink_c = kOpenThermistor_c;
+  return m;
+}
+
 void MitsubishiInverter::publish() {
   Published& p = v_.published;
   if (!control_alive_) {
@@ -211,7 +221,7 @@ void MitsubishiInverter::publish() {
     return;
   }
   const drive::DriveOutputs& out = core_.outputs();
-  const plant::PlantMeasurements& m = plant_.measurements();
+  const plant::PlantMeasurements m = measured();
   const bool alarm_output = v_.alarm.row && alarm_visible();
   const bool tuning = v_.tuning.running();
   p.status.running = out.running || tuning;

@@ -42,11 +42,14 @@ struct Causes {
   bool option = false;            // the option board dropped out of its connector
   bool external_thermal = false;  // the thermal relay has opened
   bool pu_disconnected = false;
-  bool thermistor = false;      // the motor's thermistor is hot
-  bool fan = false;             // the fan does not turn
-  bool eeprom_damaged = false;  // contents refused at the start; until the next power cycle
+  bool thermistor = false;        // the motor's thermistor is hot
+  bool fan = false;               // the fan does not turn
+  bool current_sensor = false;    // reads nothing
+  bool dc_link_sensor = false;    // reads nothing
+  bool heat_sink_sensor = false;  // an open thermistor: as hot as it can read
+  bool eeprom_damaged = false;    // contents refused at the start; until the next power cycle
   VINV_ARCHIVE(Causes, earth_fault, output_phase_open, brake_transistor, eeprom_write, option, external_thermal,
-               pu_disconnected, thermistor, fan, eeprom_damaged);
+               pu_disconnected, thermistor, fan, current_sensor, dc_link_sensor, heat_sink_sensor, eeprom_damaged);
 };
 
 enum class Screen : std::uint8_t { kMonitor, kFrequency, kJog };

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +19,10 @@ constexpr std::string_view kLineEnd = "\r\n";
 // Most signals stand still most of the time: what was written last is written again.
 class NumberColumn {
  public:
-  void append(std::string& out, double value) {
+  static constexpr std::size_t kLongest = 24;
+
+  // Copies kLongest bytes, of which those up to the answer count: one copy of a fixed length is the fastest.
+  char* write(char* to, double value) {
     const auto number = static_cast<float>(value);
     if (const auto bits = std::bit_cast<std::uint32_t>(number); bits != bits_ || length_ == 0) {
       bits_ = bits;
@@ -28,13 +32,14 @@ class NumberColumn {
         length_ = static_cast<std::size_t>(std::to_chars(text_ + 1, text_ + sizeof text_, number).ptr - text_);
       }
     }
-    out.append(text_, length_);
+    std::memcpy(to, text_, kLongest);
+    return to + length_;
   }
 
  private:
   std::uint32_t bits_ = 0;
   std::size_t length_ = 0;
-  char text_[24];
+  char text_[kLongest] = {};
 };
 
 }  // namespace
@@ -60,12 +65,15 @@ std::string signals_csv(const Recording& recording) {
   out += kLineEnd;
   out.reserve(out.size() + recording.times.size() * (recording.columns.size() + 1) * 8);
   std::vector<NumberColumn> numbers(recording.columns.size());
+  std::vector<char> line((numbers.size() + 1) * NumberColumn::kLongest);
   for (std::size_t row = 0; row < recording.times.size(); ++row) {
     append_seconds(out, recording.times[row]);
+    char* to = line.data();
     for (std::size_t c = 0; c < numbers.size(); ++c) {
       const std::vector<double>& values = recording.columns[c].values;
-      numbers[c].append(out, row < values.size() ? values[row] : std::nan(""));
+      to = numbers[c].write(to, row < values.size() ? values[row] : std::nan(""));
     }
+    out.append(line.data(), static_cast<std::size_t>(to - line.data()));
     out += kLineEnd;
   }
   return out;

@@ -11,18 +11,18 @@ DriveSettings with_slip() {
   DriveSettings s;
   s.rated_slip_hz = 2;
   s.motor_rated_current_a_rms = 5;
-  s.motor_no_load_current_a_rms = 3;  // rated active current 4 A
+  s.motor_no_load_current_a_rms = 3;  // rated torque current 4 A
   s.slip_response_s = 0.5;
   return s;
 }
 
-double settle(SlipCompensation& slip, const DriveSettings& s, double ramp_hz, double active_a, int ms = 10000) {
+double settle(SlipCompensation& slip, const DriveSettings& s, double ramp_hz, double torque_a, int ms = 10000) {
   double df = 0;
-  for (int i = 0; i < ms; ++i) df = slip.step(0.001, s, ramp_hz, active_a);
+  for (int i = 0; i < ms; ++i) df = slip.step(0.001, s, ramp_hz, torque_a);
   return df;
 }
 
-TEST(SlipCompensation, RatedActiveCurrentGivesRatedSlip) {
+TEST(SlipCompensation, RatedTorqueCurrentGivesRatedSlip) {
   SlipCompensation slip;
   EXPECT_NEAR(settle(slip, with_slip(), 30, 4), 2, 1e-6);
   EXPECT_NEAR(settle(slip, with_slip(), 30, 2), 1, 1e-6);

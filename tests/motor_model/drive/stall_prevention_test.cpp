@@ -30,9 +30,9 @@ StallPrevention::Decision hold(StallPrevention& stall, const DriveSettings& s, c
   const double sign = h.motion == Motion::kDecelerating ? -1 : 1;
   for (int i = 0; i < ms; ++i) {
     stall.observe(0.001, s,
-                  {.current_a_rms = h.current_a,
-                   .active_current_a_rms = h.active_a != 0 ? h.active_a : sign * 0.9 * h.current_a,
-                   .phase_voltage_v_rms = 100,
+                  {.output = {.current_a_rms = h.current_a,
+                              .active_current_a_rms = h.active_a != 0 ? h.active_a : sign * 0.9 * h.current_a,
+                              .phase_voltage_v_rms = 100},
                    .voltage_factor = h.voltage_factor});
     d = stall.step(0.001, s,
                    {.motion = h.motion,

@@ -321,7 +321,7 @@ TEST(A700Parameter, Pr80AndPr81SwitchVectorControlOnWithPr83AndPr84) {
   Settings s = vector;
   s.emplace_back("Pr.4", 40);
   const double with = speed(s);
-  EXPECT_NEAR(with, 1200, 12);
+  EXPECT_NEAR(with, 1200, 15);
   EXPECT_LT(speed({{"Pr.4", 40}}), with - 15);
   s.emplace_back("Pr.183", 18);  // X18 at terminal RT: V/f control
   EXPECT_LT(speed(s, "RT"), with - 15);

@@ -293,11 +293,41 @@ TEST(Cause, ADisconnectedPanelTripsAsPr75Says) {
   }
 }
 
+TEST(Cause, AnOpenHeatSinkThermistorIsEFinUntilItIsMended) {
+  Bench b = running();
+  ASSERT_TRUE(b->inject_fault("heat_sink_sensor", true).has_value());
+  b.tick();
+  EXPECT_EQ(b->alarm_name(), "E.FIN");
+  EXPECT_THAT(b->alarm_cause(), HasSubstr("heat sink 150 degC"));
+  ASSERT_TRUE(b->inject_fault("heat_sink_sensor", false).has_value());
+  EXPECT_LT(b->plant().measurements().heat_sink_c, 60);
+}
+
+TEST(Cause, ADeadDcLinkSensorIsAPowerFailureToTheDrive) {
+  Bench b = running();
+  ASSERT_TRUE(b->inject_fault("dc_link_sensor", true).has_value());
+  b.run(0.05);
+  EXPECT_FALSE(b->plant().measurements().gates_on);
+  EXPECT_GT(b->plant().measurements().dc_link_v, 500);
+  EXPECT_FALSE(b.port().status().ready);
+}
+
+TEST(Cause, ADeadCurrentSensorBlindsMonitorAndStallPreventionButNotTheComparator) {
+  Bench b = running();
+  ASSERT_TRUE(b->inject_fault("current_sensor", true).has_value());
+  b.run(2);
+  EXPECT_GT(b->plant().measurements().output_current_a_rms, 0.5);
+  EXPECT_EQ(b.output_a(), 0);
+  b->set_shaft_locked(true);
+  b.run(1);
+  EXPECT_EQ(b->alarm_name(), "E.OC2");
+}
+
 TEST(Cause, UnknownOnesAreRefusedWithTheList) {
   Bench b;
   b.power_on();
   EXPECT_THAT(b->inject_fault("E.XYZ", true).error(), HasSubstr("earth_fault, output_phase_open"));
-  EXPECT_EQ(b->injectable_faults().size(), 7 + e500::family_data().alarms.rows().size());
+  EXPECT_EQ(b->injectable_faults().size(), 10 + e500::family_data().alarms.rows().size());
   InverterConfig c = config_1k5();
   c.option_fitted = false;
   Bench bare(c);

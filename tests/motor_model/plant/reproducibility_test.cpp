@@ -15,6 +15,7 @@ PlantConfig busy_config() {
   config.comparators = {40, 800, 345, 380};
   config.load.constant_nm = 3;
   config.load.table = {{1.5, 0}, {2.5, 8}, {2.5, 2}};
+  config.voltage_table = {{0, 20, 0}, {0.0051234, 0, 25}, {0.0302, -30, 10}, {0.04, 0, 0}};
   return config;
 }
 
@@ -34,6 +35,11 @@ void disturb(PowerPlant& plant, int tick) {
   if (tick == 1300) plant.set_ambient(40);
   if (tick == 1350) plant.set_carrier(8000);
   if (tick == 1350) plant.set_cooling(2);
+  if (tick == 2450) plant.set_motor_source(MotorSource::kMains);
+  if (tick == 2480) plant.set_line(200);
+  if (tick == 2500) plant.set_motor_source(MotorSource::kTable);
+  if (tick == 2550) plant.set_motor_source(MotorSource::kOpen);
+  if (tick == 2570) plant.set_motor_source(MotorSource::kInverter);
 }
 
 std::string bytes_of(PowerPlant& plant) {
@@ -73,7 +79,7 @@ TEST_P(Reproducibility, TwoRunsAreByteIdentical) {
 
 // Snapshots at quiet and at busy instants; the run that goes on restarts its solver there, as the restored one must.
 TEST_P(Reproducibility, RestoredPlantContinuesIdentically) {
-  for (const int at : {0, 1, 333, 750, 1215, 1700, 2105, 2300}) {
+  for (const int at : {0, 1, 333, 750, 1215, 1700, 2105, 2300, 2470, 2490, 2500, 2515, 2555, 2575}) {
     PowerPlant first = make();
     charge(first);
     for (int tick = 1; tick <= at; ++tick) {
@@ -138,13 +144,15 @@ TEST_P(Reproducibility, AnotherCircuitMotorOrSolverRefusesTheSnapshot) {
   const Bytes state = save_snapshot(first);
   SolverSettings settings;
   settings.choice = GetParam();
-  for (const int other : {0, 1, 2, 3}) {
+  for (const int other : {0, 1, 2, 3, 4, 5}) {
     PlantConfig config = busy_config();
     SolverSettings s = settings;
     if (other == 0) config.machine = *find_machine("iec4p_1k5kW_400V");
     if (other == 1) config.dc_link.capacitance_f *= 1.01;
     if (other == 2) config.losses.coulomb_nm = 1;
     if (other == 3) s.relative_tolerance = 1e-6;
+    if (other == 4) config.voltage_table[1].beta_v = 26;
+    if (other == 5) config.mains_frequency_hz = 60;
     PowerPlant plant(config, s);
     const Bytes before = save_snapshot(plant);
     const auto ok = load_snapshot(plant, state);

@@ -71,8 +71,30 @@ with tempfile.TemporaryDirectory() as folder:
     code, text, err = run("merge", good, "--out", out, "--csv", folder + "/nowhere/x.csv")
     expect(code == 2 and f"{folder}/nowhere/x.csv cannot be written: No such file or directory." in err and "good.html" in text,
            f"one file that cannot be written: {code} {text} {err}")
-    code, text, err = run("merge", good, "--out", out, "--html", "/dev/full")
-    expect(code == 2 and "/dev/full cannot be written: No space left on device." in err and "good.csv" in text, f"full disk: {code} {err}")
+    for option, lost in (("--junit", "good.junit.xml"), ("--html", "good.html"), ("--csv", "good.csv")):
+        others = {"good.csv", "good.html", "good.junit.xml"} - {lost}
+        for name in others:
+            os.remove(f"{out}/{name}")
+        code, text, err = run("merge", good, "--out", out, option, "/dev/full")
+        expect(code == 2 and "/dev/full cannot be written: No space left on device." in err, f"{lost} does not fit: {code} {err}")
+        expect(all(f"{out}/{name}\n" in text and os.path.getsize(f"{out}/{name}") > 100 for name in others) and "3 passed" in text,
+               f"the others than {lost}: {text}")
+    code, text, err = run("run", good, "--out", "/dev/null/x")
+    expect(code == 2 and err == "vinverter: /dev/null/x cannot be made: Not a directory.\n", f"no folder: {code} {err}")
+
+    # A shard without room tells so once; what others have found stays, and what it lacks is run later.
+    small = folder + "/small"
+    code, text, err = run("run", good, "--out", small, "--shard", "1/2")
+    os.symlink("/dev/full", small + "/good.shard-2-of-2.jsonl")
+    code, text, err = run("run", good, "--out", small, "--shard", "2/2")
+    expect(code == 2 and err.count("cannot be written: No space left on device.") == 1 and "1 without result" in text, f"full: {code} {text} {err}")
+    code, text, err = run("missing", good, "--out", small)
+    expect((code, text) == (1, "2\n"), f"missing after a full disk: {code} {text} {err}")
+    code, text, err = run("merge", good, "--out", small)
+    expect(code == 2 and "2 passed, 0 failed, 0 could not run, 0 crashed, 1 without result" in text, f"merged after a full disk: {code} {text}")
+    os.remove(small + "/good.shard-2-of-2.jsonl")
+    code, text, err = run("run", good, "--out", small)
+    expect(code == 0 and "2 had one before" in text, f"room again: {code} {text} {err}")
 
     code, text, err = run("run", bad, "--out", out)
     expect(code == 1 and "FAILED   case 2  speed = 20 Hz" in text and "seen 20 Hz" in text, f"a failure is 1: {code} {text} {err}")
@@ -83,6 +105,8 @@ with tempfile.TemporaryDirectory() as folder:
     expect((code, text) == (0, "bad_case_2.yaml\n"), f"repro: {code} {text} {err}")
     code, text, err = run("run", "bad_case_2.yaml", command="scenario", cwd=folder)
     expect(code == 1 and "seen      20 Hz" in text, f"the plain scenario fails too: {code} {text} {err}")
+    code, text, err = run("repro", bad, "2", "-o", "/dev/full")
+    expect(code == 2 and "/dev/full cannot be written: No space left on device." in err, f"repro to a full disk: {code} {err}")
     code, text, err = run("repro", bad, "3")
     expect(code == 2 and "there is no case 3; allowed: 1 to 2." in err, f"no such case: {code} {err}")
     code, text, err = run("shrink", bad, "2", "-o", "-")

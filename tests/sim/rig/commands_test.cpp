@@ -78,6 +78,9 @@ TEST_F(CommandsTest, WrongUnitsWordsAndTypesAreToldWithWhatIsAllowed) {
   EXPECT_EQ(bad("phase_loss", "L4"), "-32602 phase_loss is \"L4\"; allowed: L1, L2, L3, none.");
   EXPECT_EQ(bad("ambient", "400 C"), "-32602 ambient is \"400 C\"; allowed: -40 to 100 C.");
   EXPECT_EQ(bad("shaft", "blocked"), "-32602 shaft is \"blocked\"; allowed: locked, free. Did you mean \"locked\"?");
+  EXPECT_EQ(bad("motor", "main"),
+            "-32602 motor is \"main\"; allowed: inverter, mains, open, table. Did you mean \"mains\"?");
+  EXPECT_EQ(bad("motor", "table"), "-32602 motor is \"table\"; the plant file has no voltage_table for this drive.");
   EXPECT_EQ(bad("fault", "E.PX"),
             "-32602 unknown word \"E.PX\" in fault; allowed: E.PE, earth_fault. Did you mean \"E.PE\"?");
   EXPECT_EQ(bad("switch", {{"SW9", 1}}), "-32000 there is no switch SW9; allowed: SW1.");
@@ -185,6 +188,8 @@ TEST_F(CommandsTest, SurroundingsFaultsAndSwitchesReachTheDrive) {
   good("fault", "E.PE");
   good("fault", {{"earth_fault", "off"}});
   good("switch", {{"SW1", "4"}});
+  EXPECT_EQ(good("status", {})["motor_source"], "inverter");
+  good("motor", "mains");
   good("key", "UP");
   good("frequency", "42.5 Hz");
   EXPECT_DOUBLE_EQ(inverter().ambient_c, 45);
@@ -192,6 +197,8 @@ TEST_F(CommandsTest, SurroundingsFaultsAndSwitchesReachTheDrive) {
   EXPECT_EQ(inverter().faults, (std::map<std::string, bool>{{"E.PE", true}, {"earth_fault", false}}));
   EXPECT_EQ(dynamic_cast<test::FakeBoard&>(*plant_.drives()[0]->board).sw1, 4u);
   EXPECT_DOUBLE_EQ(inverter().panel_hz, 42.5);
+  EXPECT_EQ(inverter().plant().motor_source(), plant::MotorSource::kMains);
+  EXPECT_EQ(good("status", {})["motor_source"], "mains");
 }
 
 TEST_F(CommandsTest, ParametersAreReadAndWritten) {
@@ -236,6 +243,14 @@ TEST_F(CommandsTest, WordsOfACommandLineMeanTheSameAsValues) {
   EXPECT_EQ(*words("parameter", {"Pr.7=4"}), (Json{{"Pr.7", 4.0}}));
   EXPECT_EQ(*words("parameter", {"Pr.7", "Pr.345"}), (Json{{"Pr.7", 4.0}, {"Pr.345", 1.0}}));
   ASSERT_TRUE(words("frequency", {"40", "Hz"}));
+  // As a scenario writes them, with and without braces.
+  EXPECT_EQ(*words("parameter", {"Pr.7:", "5"}), (Json{{"Pr.7", 5.0}}));
+  EXPECT_EQ(*words("terminal", {"STF:", "on,", "RH:", "off"}), (Json{{"STF", "on"}, {"RH", "off"}}));
+  EXPECT_EQ(*words("terminal", {"{STF: off, RH: on}"}), (Json{{"STF", "off"}, {"RH", "on"}}));
+  EXPECT_EQ((*words("load", {"torque:", "9", "Nm,", "over:", "2", "s"}))["torque_Nm"], 9.0);
+  ASSERT_TRUE(words("load", {"{table:", "[{at: 0 s, torque: 2 Nm}, {at: 1 s, torque: 3 Nm}]}"}));
+  EXPECT_EQ(words("load", {"{torque: 12 Nm"}).error().code, CommandCode::kInvalidValue);
+  EXPECT_EQ(words("load", {"{a: &x 1, b: *x}"}).error().message.substr(0, 17), "a value in braces");
   ASSERT_TRUE(words("fault", {"E.PE"}));
   EXPECT_EQ(words("load", {"12", "Nm"}).error().message.substr(0, 23), "\"12\" belongs to nothing");
 }

@@ -108,6 +108,11 @@ class FakeInverter : public inverter::Inverter {
   void set_mains(const plant::MainsState& mains) override { plant_.set_mains(mains), mains_now = mains; }
   void set_load(const plant::LoadSettings& load) override { plant_.set_load(load), load_now = load; }
   void set_shaft_locked(bool locked) override { shaft_locked = locked; }
+  inverter::Outcome set_motor_source(plant::MotorSource source) override {
+    if (source == plant::MotorSource::kTable) return Unexpected(std::string("there is no voltage table"));
+    plant_.set_motor_source(source);
+    return {};
+  }
   void set_ambient(double celsius) override { ambient_c = celsius; }
   const plant::PowerPlant& plant() const override { return plant_; }
   inverter::Outcome inject_fault(std::string_view fault, bool on) override {

@@ -48,8 +48,10 @@ const Mistake kMistakes[] = {
     {"NameTaken", "drives:\n  - name: a\n  - name: a\n",
      "p.yaml:3:11: the name \"a\" is taken by the drive in line 2."},
     {"MisspeltDriveKey", "drives:\n  - name: a\n    invertor: {}\n",
-     "p.yaml:3:5: unknown key \"invertor\" in drive 1; allowed: name, inverter, motor, load, mains, losses, "
-     "ideal, brake_resistor_ohm, ambient_C, solver, power, board, terminals, analog, parameters. Did you mean \"inverter\"?"},
+     "p.yaml:3:5: unknown key \"invertor\" in drive 1; allowed: name, inverter, motor, motor_source, voltage_table, "
+     "load, mains, losses, "
+     "ideal, brake_resistor_ohm, ambient_C, solver, power, board, terminals, analog, parameters. Did you mean "
+     "\"inverter\"?"},
     {"KeyTwice", "drives:\n  - name: a\n    name: b\n",
      "p.yaml:3:5: \"name\" stands twice in drive 1; first in line 2."},
     {"UnknownFamily", "drives:\n  - inverter: { family: fr-e50 }\n",

@@ -108,15 +108,48 @@ TEST(Frames, InTheWrongOrderOrNotAtAllFail) {
       "  - { via: echo, send_frame: 06 06 }\n"
       "  - { via: echo, expect_frame: { bytes: 07 06, within: 10 ms } }\n"
       "  - { via: echo, expect_frame: { bytes: 06 06, within: 10 ms } }\n");
-  EXPECT_EQ(testing::only_failure(order).seen, "0 other frames");
+  EXPECT_EQ(testing::only_failure(order).seen, "no frame");
   const RunResult none = run_via("  - { via: echo, expect_frame: { bytes: 07, within: 10 ms } }\n");
   EXPECT_EQ(testing::only_failure(none).what, "expect_frame");
+}
+
+TEST(Frames, WhatWasHeardBeforeTheLastWordIsNoAnswerToIt) {
+  const std::string first = "  - { via: echo, send_frame: 05 06 }\n  - after: 20 ms\n";
+  const std::string expect = "  - { via: echo, expect_frame: { bytes: 06 06, within: 10 ms } }\n";
+  EXPECT_EQ(run_via(first + expect).verdict, Verdict::kPassed);
+  // A frame that is expected in between ends what was sent together.
+  const std::string other =
+      "  - { via: echo, send_frame: 07 01 }\n  - { via: echo, expect_frame: { bytes: 08 01, within: 10 ms } }\n";
+  EXPECT_EQ(testing::only_failure(run_via(first + other + "  - { via: echo, send_frame: 08 02 }\n" + expect)).seen,
+            "1 other frame: 09 02");
+  EXPECT_EQ(testing::only_failure(run_via(first + "  - { via: echo, stop: }\n" + expect)).seen, "no frame");
+}
+
+TEST(Frames, ANotExpectedAnswerIsShownWithWhatCameLast) {
+  const RunResult r = run_via(
+      "  - { via: echo, send_frame: 01 AA }\n"
+      "  - { via: echo, send_frame: 02 AA }\n"
+      "  - { via: echo, send_frame: 03 AA }\n"
+      "  - { via: echo, send_frame: 0F FF }\n"
+      "  - { via: echo, expect_frame: { bytes: 07, within: 10 ms } }\n");
+  EXPECT_EQ(testing::only_failure(r).seen, "4 other frames, at last 03 AA | 04 AA | 10 FF");
+}
+
+TEST(Frames, AFrameThatMustNotComeFailsWhenItComes) {
+  const std::string send = "  - { via: echo, send_frame: 05 06 }\n";
+  const RunResult absent = run_via(send + "  - { via: echo, expect_frame: { bytes: 07 06, absent_for: 10 ms } }\n");
+  EXPECT_EQ(absent.verdict, Verdict::kPassed) << testing::failures(absent);
+  ASSERT_FALSE(absent.checks.empty());
+  EXPECT_EQ(absent.checks.back().seen, "none in 10 ms");
+  const RunResult there = run_via(send + "  - { via: echo, expect_frame: { bytes: 06 06, absent_for: 10 ms } }\n");
+  EXPECT_EQ(testing::only_failure(there).seen, "06 06 after 1 ms");
 }
 
 TEST(Frames, BadBytesAndMasksAreRefusedAtReading) {
   for (const char* step : {"{ via: echo, send_frame: 5 }", "{ via: echo, send_frame: 05 GG }",
                            "{ via: echo, expect_frame: { bytes: 05 06, mask: FF, within: 1 s } }",
-                           "{ via: echo, expect_frame: { bytes: 05 06 } }"})
+                           "{ via: echo, expect_frame: { bytes: 05 06 } }",
+                           "{ via: echo, expect_frame: { bytes: 05 06, within: 1 s, absent_for: 1 s } }"})
     EXPECT_THROW(run_via(std::string("  - ") + step + "\n"), ScenarioFileError) << step;
 }
 

@@ -78,7 +78,8 @@ TEST(Reached, InTimeNotTooEarlyAndForStates) {
            Case{"reached: { running: on, within: 1 s, not_before: 100 ms }",
                 "reached: running | on within 1 s, not before 100 ms | on after 0 s"},
            Case{"reached: { terminals: { RUN: on }, within: 10 ms }", ""},
-           Case{"reached: { terminals: { RUN: off }, within: 10 ms }", "reached: RUN | off within 10 ms | on after 10 ms"},
+           Case{"reached: { terminals: { RUN: off }, within: 10 ms }",
+                "reached: RUN | off within 10 ms | on after 10 ms"},
            Case{"reached: { parameters: { Pr.7: 0.5 }, within: 10 ms }", ""},
            Case{"reached: { parameters: { Pr.7: 0.6 }, within: 10 ms }",
                 "reached: Pr.7 | 0.6 within 10 ms | 0.5 after 10 ms"},
@@ -104,7 +105,8 @@ TEST(Ramp, TimeAndLinearityAreMeasured) {
   // One after the other, the second from where the first has ended.
   const RunResult both = run_steps(
       "  - stop\n  - ramp: { signal: output_frequency, from: 18 Hz, to: 12 Hz, time: 60 ms, tolerance: 1 ms }\n"
-      "  - ramp: { signal: output_frequency, from: 12 Hz, to: 8 Hz, time: 40 ms, tolerance: 1 ms, linearity: 0.1 Hz }\n");
+      "  - ramp: { signal: output_frequency, from: 12 Hz, to: 8 Hz, time: 40 ms, tolerance: 1 ms, linearity: 0.1 Hz "
+      "}\n");
   EXPECT_EQ(both.verdict, Verdict::kPassed) << failures(both);
   EXPECT_EQ(both.checks.size(), 3u);
   // An S pattern takes the same time and is not straight.
@@ -187,6 +189,33 @@ TEST(Trip, IsExpectedWithWhatGoesWithIt) {
       "cause: injected }\n"
       "  - stop\n  - reset\n  - when: ready\n  - check: { alarm: none }\n");
   EXPECT_EQ(r.verdict, Verdict::kPassed) << failures(r);
+}
+
+TEST(Trip, WhatGoesWithItMayFollowWithinATenthOfASecond) {
+  // The motor coasts from 600 rpm: a few milliseconds for 20 rpm, more than 100 ms for all.
+  const std::string trip = "  - fault: E.OHT\n  - trip: { code: E.OHT, within: 1 s, speed: below ";
+  const RunResult soon = run_steps(trip + "575 rpm }\n");
+  EXPECT_EQ(soon.verdict, Verdict::kPassed) << failures(soon);
+  EXPECT_EQ(only_failure(run_steps(trip + "5 rpm }\n")).what, "trip: speed");
+}
+
+TEST(Trip, OfAnotherDriveIsNotTheOneThatIsExpected) {
+  const RunResult r =
+      run("# Two drives.\nplant:\n  drives:\n"
+          "    - { name: a, inverter: { model: FR-E540-0.75K } }\n"
+          "    - { name: b, inverter: { model: FR-E540-0.75K } }\n"
+          "tracks:\n"
+          "  waits:\n    - { drive: a, when: ready, trip: { code: E.OHT, within: 1 s } }\n"
+          "  trips:\n    - { drive: b, when: ready }\n    - { drive: b, after: 10 ms, fault: E.OHT }\n");
+  EXPECT_EQ(only_failure(r).what, "no unexpected trip");
+  EXPECT_EQ(only_failure(r).drive, "b");
+}
+
+TEST(Reached, ARangeIsReachedInsideIt) {
+  const RunResult in = run_steps("  - stop\n  - reached: { output_frequency: 9 Hz .. 11 Hz, within: 1 s }\n");
+  EXPECT_EQ(in.verdict, Verdict::kPassed) << failures(in);
+  const RunResult out = run_steps("  - reached: { output_frequency: 21 Hz .. 22 Hz, within: 100 ms }\n");
+  EXPECT_EQ(only_failure(out).what, "reached: output_frequency");
 }
 
 TEST(Trip, ThatDoesNotComeOrLooksDifferentFails) {

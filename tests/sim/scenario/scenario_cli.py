@@ -64,6 +64,24 @@ with tempfile.TemporaryDirectory() as folder:
     expect(code == 2 and "/dev/full cannot be written: No space left on device." in err, f"a full disk is told: {code} {err}")
     expect("/dev/null/x cannot be made" in err and "passed" in out and "FAILED" in out, f"no result is lost: {out} {err}")
 
+    # A file that does not fit costs itself and nothing else: not the other files, not the next run, not the index.
+    can = "scenarios/fr-e500/master_canopen.yaml"
+    names = [f"fr-e500_{stem}{ending}" for stem, endings in (
+        ("master_canopen", (".html", ".csv", ".states.csv", ".events.csv", ".candump.log", ".pcapng")),
+        ("multi_speed", (".html", ".csv", ".states.csv", ".events.csv"))) for ending in endings] + ["index.html"]
+    for n, lost in enumerate(names[:6] + ["index.html"]):
+        report = f"{folder}/full{n}"
+        os.mkdir(report)
+        os.symlink("/dev/full", f"{report}/{lost}.new")
+        code, out, err = run("run", can, GOOD, "--junit", f"{folder}/full{n}.xml", "--report", report)
+        told = f"{report}/{lost}.new cannot be written: No space left on device."
+        expect(code == 2 and err.count("cannot be written") == 1 and told in err, f"{lost} does not fit: {code} {err}")
+        expect("2 scenarios: 2 passed" in out, f"results without {lost}: {out}")
+        expect(sorted(os.listdir(report)) == sorted(set(names) - {lost}), f"the others than {lost}: {os.listdir(report)}")
+        expect(ElementTree.parse(f"{folder}/full{n}.xml").getroot().get("tests") == "2", f"JUnit without {lost}")
+    code, out, err = run("run", GOOD, "--junit", "/dev/full", "--report", folder + "/kept")
+    expect(code == 2 and len(os.listdir(folder + "/kept")) == 5, f"reports without JUnit: {code} {err}")
+
     code, out, err = run("run", failing, "--set", "f=3")
     expect(code == 2 and "no variable" in out, f"an unknown variable is told: {code} {out}")
     code, out, err = run("run", "--live", live)

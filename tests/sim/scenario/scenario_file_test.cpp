@@ -62,6 +62,21 @@ TEST(ScenarioFile, VariablesStandInPlantAndStepsAndCanBeGivenFromOutside) {
   EXPECT_THROW(read(text, options), ScenarioFileError);
 }
 
+TEST(ScenarioFile, ASpanMayBeAVariableAndItsStepsHaveTheInnerOnes) {
+  const RunResult r =
+      testing::run(std::string(testing::kHead) +
+                   "variables: { span: 250 ms, f: 10 Hz }\n"
+                   "steps:\n"
+                   "  - { always: { alarm: none }, during: $span }\n"
+                   "  - repeat:\n      each: { f: [12 Hz, 14 Hz] }\n      steps:\n"
+                   "        - { always: { alarm: none }, during: [ { note: $f } , { after: $span } ] }\n");
+  EXPECT_EQ(r.verdict, Verdict::kPassed) << testing::failures(r);
+  std::string notes;
+  for (const Event& e : r.events)
+    if (e.kind == Event::Kind::kNote) notes += e.text + ";";
+  EXPECT_EQ(notes, "12 Hz;14 Hz;");
+}
+
 TEST(ScenarioFile, AnEachThatIsReadSeveralTimesTellsItsMistakeOnce) {
   try {
     read(std::string(kHead) + "steps:\n  - repeat: { each: { f: [1, 2, 3] }, steps: [ { rum: forward } ] }\n");

@@ -35,6 +35,9 @@ const std::vector<std::pair<const char*, const char*>> kStories{
     {"shaft",
      "  - stop\n  - when: stopped\n  - shaft: locked\n  - run: forward\n  - never: { speed: above 1 rpm }\n"
      "    during: 300 ms\n"},
+    {"motor",
+     "  - motor: mains\n  - reached: { motor_current: above 1 A, within: 100 ms }\n"
+     "  - check: { output_current: 0 A +- 0 A, motor_voltage: 400 V +- 0.1 V }\n"},
     {"mains", "  - mains: { voltage: 340 V }\n  - reached: { dc_link: below 490 V, within: 1 s }\n"},
     {"phase_loss", "  - phase_loss: L2\n  - check: { powered: on }\n"},
     {"ambient", "  - ambient: 50 C\n  - reached: { heat_sink: above 26 C, within: 15 s }\n"},
@@ -54,7 +57,8 @@ TEST(Words, EachActsAsAtTheControlSocket) {
   }
   // Only a master can be told these.
   for (const std::string_view word : {"clear_alarms", "monitor", "quick_stop", "silence"}) {
-    EXPECT_THROW(read(std::string(kHead) + kRunning + "  - " + std::string(word) + ": on\n"), ScenarioFileError) << word;
+    EXPECT_THROW(read(std::string(kHead) + kRunning + "  - " + std::string(word) + ": on\n"), ScenarioFileError)
+        << word;
     told.insert(word);
   }
   EXPECT_EQ(told, std::set<std::string_view>(action_words().begin(), action_words().end()));

@@ -1,4 +1,4 @@
-#include "sim/scenario/trace.hpp"
+#include "sim/rig/trace.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "sim/base/table_text.hpp"
 #include "sim/rig/words.hpp"
 
-namespace vinv::scenario {
+namespace vinv::rig {
 namespace {
 
 constexpr std::string_view kTime = "time_s";
@@ -59,10 +59,10 @@ Result<Trace, std::string> parse_trace(std::string_view text) {
     }
     const auto fields = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
     if (fields != trace.columns.size() + 1)
-      return Unexpected(fmt::format("line {} has {} fields, the header {}.", line_number, fields,
-                                    trace.columns.size() + 1));
+      return Unexpected(
+          fmt::format("line {} has {} fields, the header {}.", line_number, fields, trace.columns.size() + 1));
     const auto number = [&](double& value) {
-      return rig::parse_number(take_until(line, ','), value) && std::isfinite(value);
+      return parse_number(take_until(line, ','), value) && std::isfinite(value);
     };
     double time = 0;
     bool fine = number(time);
@@ -95,4 +95,4 @@ Result<Trace, std::string> load_trace(const std::string& path) {
   return parse_trace(text);
 }
 
-}  // namespace vinv::scenario
+}  // namespace vinv::rig

@@ -1,5 +1,6 @@
-// A table of signals over time that a run is compared with: CSV, `#` lines are comment, then a header of `time_s` and
-// signals with their unit ("speed rpm"), as the reports write them, then rows in the order of time.
+// A table over time, of signals that a run is compared with or of a voltage that feeds a motor: CSV, `#` lines are
+// comment, then a header of `time_s` and names with their unit ("speed rpm"), as the reports write them, then rows in
+// the order of time.
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@
 
 #include "sim/base/result.hpp"
 
-namespace vinv::scenario {
+namespace vinv::rig {
 
 inline constexpr std::size_t kMaxTraceBytes = 64 * 1024 * 1024;
 
@@ -32,4 +33,4 @@ struct Trace {
 Result<Trace, std::string> parse_trace(std::string_view text);
 Result<Trace, std::string> load_trace(const std::string& path);
 
-}  // namespace vinv::scenario
+}  // namespace vinv::rig

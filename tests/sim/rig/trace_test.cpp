@@ -1,13 +1,14 @@
 // Tables over time that a run is compared with.
-#include "sim/scenario/trace.hpp"
+#include "sim/rig/trace.hpp"
 
 #include <gtest/gtest.h>
 
-namespace vinv::scenario {
+namespace vinv::rig {
 namespace {
 
 TEST(Trace, ReadsCommentsHeaderAndRows) {
-  const auto t = parse_trace("# where from\r\ntime_s,speed rpm,fan.torque Nm,run_state\r\n0,0,1,2\r\n0.5,100,3,2\r\n2,400,0,2\r\n");
+  const auto t = parse_trace(
+      "# where from\r\ntime_s,speed rpm,fan.torque Nm,run_state\r\n0,0,1,2\r\n0.5,100,3,2\r\n2,400,0,2\r\n");
   ASSERT_TRUE(t.has_value()) << t.error();
   ASSERT_EQ(t->columns.size(), 3u);
   const Trace::Column* speed = t->find("speed");
@@ -45,4 +46,4 @@ TEST(Trace, WhatIsNoTableIsRefusedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace vinv::scenario
+}  // namespace vinv::rig
