@@ -82,7 +82,8 @@ def parameter_default(row):
     rule = row.get("model_default") or ""
     if rule == "rated_current":
         return "rated current of the model"
-    parts = re.findall(r"(kw|volt)<=([\d.]+):([\d.]+)", rule)
+    rule = rule.replace("rated*0.85", "85 % of the rated current").replace(":rated", ":rated current")
+    parts = re.findall(r"(kw|volt)<=([\d.]+):(.+?)(?= kw<=| volt<=|$)", rule)
     words = {"kw": "{} (to {} kW)", "volt": "{} ({} V class)"}
     return ", ".join(words[what].format(value, limit) for what, limit, value in parts) or row["default"]
 
@@ -158,6 +159,23 @@ def parameter_problems(row, tests):
     return problems
 
 
+def terminal_problems(row, tests):
+    if row.get("acts") == "no":
+        return [] if row["notes"].startswith("Nothing: ") else [f"{row['signal']} does not act and does not say why"]
+    return must_have_test(lambda r: f"{r['direction']} {r['signal']}")(row, tests)
+
+
+def terminal_settings(row):
+    return ", ".join(part for part in [row["number"], row.get("number_negative_logic")] if part)
+
+
+def cip_place(prefix):
+    def place(row):
+        parts = [row.get(f"{prefix}_{part}") or "" for part in ("class", "instance", "attribute")]
+        return "/".join(parts) if all(parts) else ""
+    return place
+
+
 # marker: (data file, [(heading, text of a row)], what is wrong with a row besides unknown tests)
 TABLES = {
     "oi-fr-e5nco-registers": (
@@ -209,6 +227,32 @@ TABLES = {
         [("Alarm", column("name")), ("Code (hex)", column("data_code_hex")), ("Cause", column("cause")),
          ("Retried with Pr.65", alarm_retry), ("Reset", alarm_reset), ("Source", column("source")),
          ("Confidence", column("confidence")), ("Notes", column("notes")), ("Test", tests_column)], alarm_problems),
+    "fr-a700-parameters": (
+        "motor_model/families/mitsubishi_a700/parameters.csv",
+        [("Parameter", parameter_number), ("Panel", column("alias")), ("Name", column("name")),
+         ("Range", parameter_range), ("Step", parameter_step), ("Unit", column("unit")), ("Default", parameter_default),
+         ("Writable", parameter_writable), ("Network", column("network_access")), ("Cleared by", parameter_clear),
+         ("CIP", cip_place("cip")), ("CIP, extended III", cip_place("ext3")), ("Source", column("source")),
+         ("Confidence", column("confidence")), ("Acts", column("acts")), ("What it does here", column("effect")),
+         ("Test", tests_column)], parameter_problems),
+    "fr-a700-alarms": (
+        "motor_model/families/mitsubishi_a700/alarms.csv",
+        [("Alarm", column("name")), ("Code (hex)", column("data_code_hex")), ("Display", column("display")),
+         ("Cause", column("cause")), ("Retried with Pr.65", alarm_retry), ("Reset", alarm_reset),
+         ("Source", column("source")), ("Confidence", column("confidence")), ("Notes", column("notes")),
+         ("Test", tests_column)], alarm_problems),
+    "fr-a700-terminals": (
+        "motor_model/families/mitsubishi_a700/terminals.csv",
+        [("Direction", column("direction")), ("Parameters", column("parameters")), ("Setting", terminal_settings),
+         ("Signal", column("signal")), ("Meaning", column("meaning")), ("Default of", column("default_of")),
+         ("Source", column("source")), ("Confidence", column("confidence")), ("Acts", column("acts")),
+         ("Notes", column("notes")), ("Test", tests_column)], terminal_problems),
+    "fr-a700-monitors": (
+        "motor_model/families/mitsubishi_a700/monitors.csv",
+        [("Code", column("code")), ("Monitor", column("name")), ("Unit", column("unit")),
+         ("Increment", column("increment")), ("Bits", column("bits")), ("0x80", column("object_0x80_attribute")),
+         ("0x2A", column("object_0x2a_attribute")), ("Source", column("source")), ("Notes", column("notes")),
+         ("Test", tests_column)], must_have_test(column("name"))),
     "fr-e500-terminals": (
         "motor_model/families/mitsubishi_e500/terminals.csv",
         [("Direction", column("direction")), ("Parameters", column("parameters")), ("Setting", column("number")),

@@ -16,7 +16,9 @@ constexpr double kCompensationLag_s = 0.05;
 double sign_of(RunDirection direction) { return static_cast<double>(direction); }
 
 RampTimes ramp_times(const DriveSettings& s) {
-  return {s.acceleration_s, s.deceleration_s, s.ramp_reference_hz, s.cushion_pattern_base_hz, s.ramp_pattern};
+  return {s.acceleration_s, s.deceleration_s,        s.ramp_reference_hz,     s.cushion_pattern_base_hz,
+          s.ramp_pattern,   s.s_time_acceleration_s, s.s_time_deceleration_s, s.backlash_up_hz,
+          s.backlash_up_s,  s.backlash_down_hz,      s.backlash_down_s};
 }
 
 // Stall prevention needs ramps that take time.
@@ -65,6 +67,8 @@ void DriveCore::output_off(RunState state) {
   stall_.release();
   shortest_.release();
   slip_.clear();
+  droop_.clear();
+  start_hold_left_s_ = 0;
   current_limit_.clear();
   compensation_current_.set(0);
   coast_delay_.clear();
@@ -193,6 +197,7 @@ void DriveCore::start(const Tick& t) {
   const double target = sign_of(t.command.direction) * t.reference_hz;
   ramp_.set(std::copysign(std::min(t.settings.start_frequency_hz, t.reference_hz), target));
   if (ramp_.motion_towards(target) == Motion::kConstant) state_ = RunState::kConstant;
+  start_hold_left_s_ = t.settings.start_hold_s;
   protections_.begin_output();
   if (t.settings.earth_fault_detection && t.sensors.earth_fault) {
     trip({TripKind::kEarthFault, {}, 1, 0, state_, ramp_.frequency_hz()});
@@ -231,6 +236,8 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
   if (now == Motion::kConstant && stall.most_hz_s < 0) stalled_at_constant_ = true;
   if (stall.most_hz_s < 0) {
     ramp_.lower(-stall.most_hz_s * t.dt_s, s.stall_trip_frequency_hz);
+  } else if (start_hold_left_s_ > 0 && now == Motion::kAccelerating) {
+    start_hold_left_s_ -= t.dt_s;
   } else if (!(cushion_.rising() && now == Motion::kAccelerating)) {
     // While a restart catches the motor the frequency stays where the motor is.
     ramp_.step_at_most(t.dt_s, target_hz, times, stall.most_hz_s);
@@ -313,9 +320,10 @@ void DriveCore::set_stage(const Tick& t) {
   const double ramp = ramp_.frequency_hz();
   const double magnitude = std::abs(ramp);
   const double slip = slip_.step(t.dt_s, s, magnitude, t.torque_current_a_rms);
+  const double droop = droop_.step(t.dt_s, s, state_ != RunState::kConstant, t.torque_current_a_rms);
   // Compensation does not raise the output above the maximum frequency, nor lower it below the start frequency.
-  const double output =
-      std::clamp(magnitude + slip, std::min(magnitude, s.start_frequency_hz), std::max(magnitude, s.max_frequency_hz));
+  const double output = std::clamp(magnitude + slip - droop, std::min(magnitude, s.start_frequency_hz),
+                                   std::max(magnitude, s.max_frequency_hz));
   const RunDirection rotation = ramp < 0 ? RunDirection::kReverse : RunDirection::kForward;
   const double raised = cushion_.rising() ? cushion_.step(t.dt_s, s.restart_cushion_s) : 1;
   const double voltage = vf_voltage_v_rms(s, output, rotation, compensation_current_.value());

@@ -59,6 +59,8 @@ class DriveCore {
   StallPrevention stall_;
   ShortestRamp shortest_;
   SlipCompensation slip_;
+  Droop droop_;
+  double start_hold_left_s_ = 0;
   FastCurrentLimit current_limit_;
   FirstOrderLag compensation_current_;
   DcBrake dc_brake_;
@@ -72,9 +74,9 @@ class DriveCore {
   bool stalled_at_constant_ = false;  // stall prevention has taken a constant speed down and it is not yet back
   bool overload_ = false;
   DriveOutputs out_;
-  VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, current_limit_,
-               compensation_current_, dc_brake_, coast_delay_, link_, power_failure_, cushion_, brake_duty_,
-               protections_, detection_, stalled_at_constant_, overload_, out_);
+  VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, droop_, start_hold_left_s_,
+               current_limit_, compensation_current_, dc_brake_, coast_delay_, link_, power_failure_, cushion_,
+               brake_duty_, protections_, detection_, stalled_at_constant_, overload_, out_);
 };
 
 }  // namespace vinv::drive

@@ -11,10 +11,17 @@
 
 namespace vinv::drive {
 
-enum class RampPattern : std::uint8_t { kLinear, kSCurveA, kSCurveB };
-VINV_ENUM_RANGE(RampPattern, kLinear, kSCurveB);
+enum class RampPattern : std::uint8_t { kLinear, kSCurveA, kSCurveB, kBacklash, kSCurveC };
+VINV_ENUM_RANGE(RampPattern, kLinear, kSCurveC);
 enum class LoadPattern : std::uint8_t { kConstantTorque, kVariableTorque, kHoistBoostForward, kHoistBoostReverse };
 VINV_ENUM_RANGE(LoadPattern, kConstantTorque, kHoistBoostReverse);
+
+// A point of an adjustable V/f law; line-to-line.
+struct VfPoint {
+  double frequency_hz = 0;
+  double voltage_v_rms = 0;
+  VINV_ARCHIVE(VfPoint, frequency_hz, voltage_v_rms);
+};
 
 struct FrequencyBand {
   double low_hz = 0;
@@ -41,11 +48,20 @@ struct DriveSettings {
   double ramp_reference_hz = 50;        // the times are from 0 to this frequency
   double cushion_pattern_base_hz = 50;  // base frequency of S-curve A
   RampPattern ramp_pattern = RampPattern::kLinear;
+  double s_time_acceleration_s = 0;  // S-curve C: at each end of the ramp
+  double s_time_deceleration_s = 0;
+  double backlash_up_hz = 0;  // backlash: the acceleration stops here ...
+  double backlash_up_s = 0;   // ... for this long
+  double backlash_down_hz = 0;
+  double backlash_down_s = 0;
+  double start_hold_s = 0;  // the output stays at the start frequency this long
   // V/f
   double base_frequency_hz = 50;
   double base_voltage_v_rms = 400;  // at and above base frequency
   double torque_boost_percent = 4;  // of base voltage at 0 Hz
   LoadPattern load_pattern = LoadPattern::kConstantTorque;
+  std::array<VfPoint, 5> vf_points{};             // between 0 Hz and base frequency, rising
+  std::uint32_t vf_point_count = 0;               // 0: the load pattern's shape
   double stator_resistance_compensation_ohm = 0;  // flux vector control: adds most of R * I to the voltage; 0: off
   // the motor as the drive takes it to be: how hard stall prevention acts, and how it tells driving from braking
   double motor_slip_hz = 2;     // at the motor's rated current
@@ -56,6 +72,10 @@ struct DriveSettings {
   double motor_no_load_current_a_rms = 0;
   double slip_response_s = 0.5;
   bool slip_in_constant_output = true;  // above base frequency too
+  // droop
+  double droop_hz = 0;  // lower output at the motor's rated torque current; 0: off
+  double droop_filter_s = 0.3;
+  bool droop_in_ramps = false;  // while accelerating and decelerating too
   // DC injection brake
   double dc_brake_frequency_hz = 3;
   double dc_brake_s = 0.5;              // 0: off
@@ -116,9 +136,11 @@ struct DriveSettings {
   double carrier_hz = 1000;
   VINV_ARCHIVE(DriveSettings, rated_current_a_rms, nominal_dc_link_v, supply_voltage_v_rms, max_frequency_hz,
                min_frequency_hz, start_frequency_hz, jump_bands, acceleration_s, deceleration_s, ramp_reference_hz,
-               cushion_pattern_base_hz, ramp_pattern, base_frequency_hz, base_voltage_v_rms, torque_boost_percent,
-               load_pattern, stator_resistance_compensation_ohm, motor_slip_hz, motor_stator_ohm, rated_slip_hz,
-               motor_rated_current_a_rms, motor_no_load_current_a_rms, slip_response_s, slip_in_constant_output,
+               cushion_pattern_base_hz, ramp_pattern, s_time_acceleration_s, s_time_deceleration_s, backlash_up_hz,
+               backlash_up_s, backlash_down_hz, backlash_down_s, start_hold_s, base_frequency_hz, base_voltage_v_rms,
+               torque_boost_percent, load_pattern, vf_points, vf_point_count, stator_resistance_compensation_ohm,
+               motor_slip_hz, motor_stator_ohm, rated_slip_hz, motor_rated_current_a_rms, motor_no_load_current_a_rms,
+               slip_response_s, slip_in_constant_output, droop_hz, droop_filter_s, droop_in_ramps,
                dc_brake_frequency_hz, dc_brake_s, dc_brake_voltage_percent, stall_level_percent,
                stall_level_double_speed_percent, stall_compensated, stall_reduction_start_hz, stall_in_acceleration,
                stall_at_constant, stall_in_deceleration, stall_trips_at_once, fast_current_limit, dc_link_hold_v,

@@ -32,6 +32,7 @@ Motion RampGenerator::motion_towards(double target_hz) const {
 void RampGenerator::set(double frequency_hz) {
   frequency_hz_ = frequency_hz;
   planned_ = false;
+  hold_left_s_ = 0;
 }
 
 void RampGenerator::lower(double by_hz, double floor_hz) {
@@ -48,13 +49,16 @@ void RampGenerator::step(double dt_s, double target_hz, const RampTimes& times) 
     return;
   }
   const double rate = motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
-  if (times.pattern == RampPattern::kSCurveB) {
-    step_s_curve_b(dt_s, target, rate);
+  const double s_time = motion == Motion::kAccelerating ? times.s_time_acceleration_s : times.s_time_deceleration_s;
+  if (times.pattern == RampPattern::kSCurveB || (times.pattern == RampPattern::kSCurveC && s_time > 0)) {
+    step_planned(dt_s, target, rate, s_time, times.pattern);
     return;
   }
   planned_ = false;
   if (times.pattern == RampPattern::kSCurveA && times.s_curve_base_hz > 0) {
     step_s_curve_a(dt_s, target, motion, times);
+  } else if (times.pattern == RampPattern::kBacklash) {
+    step_backlash(dt_s, target, motion, rate, times);
   } else {
     step_linear(dt_s, target, rate);
   }
@@ -100,7 +104,38 @@ void RampGenerator::step_s_curve_a(double dt_s, double target_hz, Motion motion,
   }
 }
 
-void RampGenerator::step_s_curve_b(double dt_s, double target_hz, double rate_hz_s) {
+void RampGenerator::step_backlash(double dt_s, double target_hz, Motion motion, double rate_hz_s,
+                                  const RampTimes& times) {
+  if (hold_left_s_ > 0) {
+    hold_left_s_ -= dt_s;
+    return;
+  }
+  const double before = std::abs(frequency_hz_);
+  step_linear(dt_s, target_hz, rate_hz_s);
+  const double after = std::abs(frequency_hz_);
+  const bool up = motion == Motion::kAccelerating;
+  const double hold_hz = up ? times.hold_up_hz : times.hold_down_hz;
+  const bool passed = up ? before < hold_hz && after >= hold_hz : before > hold_hz && after <= hold_hz;
+  if (!passed) return;
+  hold_left_s_ = up ? times.hold_up_s : times.hold_down_s;
+  if (hold_left_s_ > 0) frequency_hz_ = std::copysign(hold_hz, frequency_hz_ != 0 ? frequency_hz_ : target_hz);
+}
+
+void RampGenerator::step_planned(double dt_s, double target_hz, double rate_hz_s, double s_time_s,
+                                 RampPattern pattern) {
+  const bool even = pattern == RampPattern::kSCurveC;
+  // C takes its S time in addition to the straight ramp's; a short way is all S.
+  const auto duration = [&](double change_hz) {
+    const double straight = std::abs(change_hz) / rate_hz_s;
+    return even ? straight + std::min(s_time_s, straight) : straight;
+  };
+  const auto share = [&](double change_hz) {
+    const double total = duration(change_hz);
+    return total > 0 ? std::min(0.5, (total - std::abs(change_hz) / rate_hz_s) / total) : 0;
+  };
+  const auto remaining = [&](double progress) {
+    return even ? s_curve_c_remaining(progress, share(plan_change_hz_)) : drive::s_curve_b_remaining(progress);
+  };
   const double remaining_hz = target_hz - frequency_hz_;
   const bool same_direction = planned_ && remaining_hz * plan_change_hz_ > 0;
   if (!same_direction) {
@@ -110,20 +145,20 @@ void RampGenerator::step_s_curve_b(double dt_s, double target_hz, double rate_hz
   } else if (target_hz != plan_target_hz_) {
     // A moved target keeps the present slope, which depends on the progress alone; the curve would otherwise begin anew
     // at every tick under a moving reference. Much further away, the slope belongs to the first half of the new curve.
-    plan_change_hz_ = remaining_hz / s_curve_b_remaining(plan_progress_);
+    plan_change_hz_ = remaining_hz / remaining(plan_progress_);
     if (plan_progress_ > 0.5 && std::abs(plan_change_hz_) > kMuchFurther * std::abs(plan_first_change_hz_)) {
       plan_progress_ = 1 - plan_progress_;
-      plan_change_hz_ = remaining_hz / s_curve_b_remaining(plan_progress_);
+      plan_change_hz_ = remaining_hz / remaining(plan_progress_);
       plan_first_change_hz_ = plan_change_hz_;
     }
   }
   planned_ = true;
   plan_target_hz_ = target_hz;
-  plan_progress_ += dt_s * rate_hz_s / std::abs(plan_change_hz_);
+  plan_progress_ += dt_s / duration(plan_change_hz_);
   if (plan_progress_ >= 1 - kArrivalSlack) {
     set(target_hz);
   } else {
-    frequency_hz_ = target_hz - plan_change_hz_ * s_curve_b_remaining(plan_progress_);
+    frequency_hz_ = target_hz - plan_change_hz_ * remaining(plan_progress_);
   }
 }
 

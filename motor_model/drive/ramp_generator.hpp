@@ -16,6 +16,12 @@ struct RampTimes {
   double reference_hz = 50;
   double s_curve_base_hz = 50;
   RampPattern pattern = RampPattern::kLinear;
+  double s_time_acceleration_s = 0;  // S-curve C
+  double s_time_deceleration_s = 0;
+  double hold_up_hz = 0;  // backlash
+  double hold_up_s = 0;
+  double hold_down_hz = 0;
+  double hold_down_s = 0;
 };
 
 // The constant rates of the straight ramps, Hz/s; infinite for 0 s.
@@ -38,18 +44,20 @@ class RampGenerator {
 
  private:
   void step_linear(double dt_s, double target_hz, double rate_hz_s);
+  void step_backlash(double dt_s, double target_hz, Motion motion, double rate_hz_s, const RampTimes& times);
   void step_s_curve_a(double dt_s, double target_hz, Motion motion, const RampTimes& times);
-  void step_s_curve_b(double dt_s, double target_hz, double rate_hz_s);
+  void step_planned(double dt_s, double target_hz, double rate_hz_s, double s_time_s, RampPattern pattern);
 
   double frequency_hz_ = 0;
-  // S-curve B under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
+  // S-curve B or C under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
   double plan_target_hz_ = 0;
   double plan_change_hz_ = 0;
   double plan_first_change_hz_ = 0;  // before the target moved
   double plan_progress_ = 0;
   bool planned_ = false;
+  double hold_left_s_ = 0;  // backlash: standing at its frequency
   VINV_ARCHIVE(RampGenerator, frequency_hz_, plan_target_hz_, plan_change_hz_, plan_first_change_hz_, plan_progress_,
-               planned_);
+               planned_, hold_left_s_);
 };
 
 }  // namespace vinv::drive

@@ -23,4 +23,10 @@ double s_curve_a_frequency_hz(double time_s, double total_s, double base_hz) {
 
 double s_curve_b_remaining(double progress) { return 0.5 * (1 + std::cos(std::numbers::pi * progress)); }
 
+double s_curve_c_remaining(double progress, double share) {
+  if (progress > 0.5) return 1 - s_curve_c_remaining(1 - progress, share);
+  const double done = share > 0 && progress < share ? progress * progress / (2 * share) : progress - share / 2;
+  return 1 - done / (1 - share);
+}
+
 }  // namespace vinv::drive

@@ -14,4 +14,8 @@ double s_curve_a_frequency_hz(double time_s, double total_s, double base_hz);
 // straight ramp would take. Remaining fraction of the change at progress 0 ... 1.
 double s_curve_b_remaining(double progress);
 
+// S-curve C (A700 Pr.29 = 4): the rate rises and falls evenly at both ends. Remaining fraction of the change at
+// progress 0 ... 1; share of the whole time that each end takes, 0 ... 0.5.
+double s_curve_c_remaining(double progress, double share);
+
 }  // namespace vinv::drive

@@ -27,4 +27,12 @@ double SlipCompensation::step(double dt_s, const DriveSettings& settings, double
   return off ? 0 : lag_.value();
 }
 
+double Droop::step(double dt_s, const DriveSettings& settings, bool ramping, double torque_current_a_rms) {
+  const double rated = rated_torque_current_a_rms(settings);
+  const bool off = settings.droop_hz <= 0 || rated <= 0 || (ramping && !settings.droop_in_ramps);
+  const double load = off ? 0 : std::clamp(torque_current_a_rms / rated, -kMostLoad, kMostLoad);
+  lag_.step(dt_s, settings.droop_filter_s, load * settings.droop_hz);
+  return settings.droop_hz > 0 ? lag_.value() : 0;
+}
+
 }  // namespace vinv::drive

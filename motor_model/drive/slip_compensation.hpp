@@ -18,4 +18,17 @@ class SlipCompensation {
   VINV_ARCHIVE(SlipCompensation, lag_);
 };
 
+// Droop (A700 Pr.286-288): lowers the output frequency in proportion to the torque current, so that several motors on
+// one load share it.
+class Droop {
+ public:
+  // Frequency to subtract from the magnitude of the ramp frequency, Hz; negative while regenerating.
+  double step(double dt_s, const DriveSettings& settings, bool ramping, double torque_current_a_rms);
+  void clear() { lag_.set(0); }
+
+ private:
+  FirstOrderLag lag_;
+  VINV_ARCHIVE(Droop, lag_);
+};
+
 }  // namespace vinv::drive

@@ -22,6 +22,20 @@ double boost_percent(const DriveSettings& s, RunDirection rotation) {
   return s.torque_boost_percent;
 }
 
+// Straight lines from the boost at 0 Hz through the points to the base voltage at the base frequency.
+double adjustable_v_rms(const DriveSettings& s, double frequency_hz, double u_boost) {
+  VfPoint from{0, u_boost};
+  for (std::uint32_t i = 0; i <= s.vf_point_count; ++i) {
+    const VfPoint to = i < s.vf_point_count ? s.vf_points[i] : VfPoint{s.base_frequency_hz, s.base_voltage_v_rms};
+    if (frequency_hz < to.frequency_hz) {
+      const double share = (frequency_hz - from.frequency_hz) / (to.frequency_hz - from.frequency_hz);
+      return from.voltage_v_rms + (to.voltage_v_rms - from.voltage_v_rms) * share;
+    }
+    from = to;
+  }
+  return s.base_voltage_v_rms;
+}
+
 }  // namespace
 
 double vf_voltage_v_rms(const DriveSettings& settings, double frequency_hz, RunDirection rotation,
@@ -32,6 +46,7 @@ double vf_voltage_v_rms(const DriveSettings& settings, double frequency_hz, RunD
   const double shape = settings.load_pattern == LoadPattern::kVariableTorque ? x * x : x;
   const double u_boost = u_base * boost_percent(settings, rotation) / 100;
   double u = u_boost + (u_base - u_boost) * shape;
+  if (settings.vf_point_count > 0) u = adjustable_v_rms(settings, frequency_hz, u_boost);
   if (settings.stator_resistance_compensation_ohm > 0) {
     const double i = kCompensated * std::min(current_a_rms, kMostCompensated * settings.rated_current_a_rms);
     u = std::max(u, u_base * shape + std::numbers::sqrt3 * settings.stator_resistance_compensation_ohm * i);

@@ -1,4 +1,5 @@
-// Output voltage over output frequency: base frequency and voltage, torque boost, load pattern (E500 Pr.0, 3, 14, 19).
+// Output voltage over output frequency: base frequency and voltage, torque boost, load pattern (E500 Pr.0, 3, 14, 19),
+// or an adjustable law of up to five points (A700 Pr.71 = 2, Pr.100-109).
 #pragma once
 
 #include "motor_model/drive/drive_types.hpp"

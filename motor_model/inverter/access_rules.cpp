@@ -13,6 +13,7 @@ bool mode_permits(const AccessSituation& s) {
 
 std::optional<port::Refusal> write_refusal(const ParameterRow& row, const AccessSituation& s) {
   if (row.kind == ParameterKind::kManufacturer || row.read_only) return port::Refusal::kReadOnly;
+  if (s.writer == Writer::kNetwork && row.network_read_only) return port::Refusal::kReadOnly;
   if (!s.in_user_group) return port::Refusal::kWriteDisabled;
   const bool any_mode = s.disable == WriteDisable::kAlways || (s.writer == Writer::kPanel && row.panel_any_mode);
   if (!any_mode && !mode_permits(s)) return port::Refusal::kWrongMode;

@@ -42,8 +42,11 @@ Result<AlarmTable, std::string> AlarmTable::load(std::string_view csv) {
     const long code = in.integer("data_code_hex", 16);
     if (code < 0 || code > 255) in.fail("data_code_hex", "must be 00 to FF");
     row.code = static_cast<std::uint8_t>(code);
-    row.emergency_code = static_cast<std::uint16_t>(in.integer("canopen_emcy_code_hex", 16));
-    row.error_register = static_cast<std::uint8_t>(in.integer("error_register_1001h_value_hex", 16));
+    if (table->column("canopen_emcy_code_hex")) {
+      row.emergency_code = static_cast<std::uint16_t>(in.integer("canopen_emcy_code_hex", 16));
+      row.error_register = static_cast<std::uint8_t>(in.integer("error_register_1001h_value_hex", 16));
+    }
+    row.display = table->column("display") ? in.text("display") : row.name;
     row.cause = in.text("cause");
     row.source = in.text("source");
     row.confidence = in.text("confidence");

@@ -20,13 +20,14 @@ enum class ResetRule : std::uint8_t {
 
 struct AlarmRow {
   std::string name;                          // "E.OV3"
+  std::string display;                       // on a panel of four digits: "E.OV3", "E.  3"
   std::uint8_t code = 0;                     // data code
   std::optional<drive::TripKind> trip_kind;  // empty: not a trip of the control core
   std::uint32_t retry_settings = 0;          // bit n: retried with retry selection n
   ResetRule reset = ResetRule::kAny;
   std::string cause;
-  std::uint16_t emergency_code = 0;  // CANopen emergency error code
-  std::uint8_t error_register = 0;   // CANopen object 1001H
+  std::uint16_t emergency_code = 0;  // CANopen emergency error code; families with such an option
+  std::uint8_t error_register = 0;   // CANopen object 1001H, the same
   std::string source;
   std::string confidence;
 

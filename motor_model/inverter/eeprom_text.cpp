@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::string_view kTitle = "vinverter eeprom, version ";
 constexpr std::int64_t kOperatingSecondsMax = 3'600'000'000;
+constexpr std::int64_t kCounterMax = 1'000'000'000'000'000;
 
 std::string hex(std::uint32_t value, int digits) {
   std::string text(static_cast<std::size_t>(digits), '0');
@@ -177,7 +178,15 @@ class Parser {
     r.panel_frequency = static_cast<std::int32_t>(panel);
     r.remote_frequency = static_cast<std::int32_t>(remote);
     r.retry_count = static_cast<std::int32_t>(retries);
-    return group("user_group_1", r.groups[0]) && group("user_group_2", r.groups[1]) && history();
+    return group("user_group_1", r.groups[0]) && group("user_group_2", r.groups[1]) && counters() &&
+           history();
+  }
+
+  bool counters() {
+    for (std::size_t i = 0; i < identity_.counters.size(); ++i) {
+      if (!integer(identity_.counters[i], 0, kCounterMax, contents_.record.counters[i])) return false;
+    }
+    return true;
   }
 
   bool group(std::string_view name, UserGroup& group) {
@@ -259,6 +268,9 @@ std::string emit_eeprom(const EepromIdentity& identity, const ParameterStore& st
   out += "retry_count = " + std::to_string(record.retry_count) + "\n";
   out += "user_group_1 = " + group_text(record.groups[0]) + "\n";
   out += "user_group_2 = " + group_text(record.groups[1]) + "\n";
+  for (std::size_t i = 0; i < identity.counters.size(); ++i) {
+    out += std::string(identity.counters[i]) + " = " + std::to_string(record.counters[i]) + "\n";
+  }
   for (std::size_t i = 0; i < record.alarms.size(); ++i) {
     const auto row = alarms.by_code(record.alarms[i]);
     out += "alarm_" + std::to_string(i + 1) + " = " + (row ? alarms.rows()[*row].name : "none") + "\n";

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,8 +25,10 @@ struct EepromRecord {
   std::int32_t retry_count = 0;        // successful retries
   std::array<UserGroup, 2> groups{};
   port::AlarmHistory alarms{};
+  static constexpr std::size_t kMostCounters = 16;
+  std::array<std::int64_t, kMostCounters> counters{};  // what the family counts besides, by its own names
   friend bool operator==(const EepromRecord&, const EepromRecord&) = default;
-  VINV_ARCHIVE(EepromRecord, panel_frequency, remote_frequency, operating_seconds, retry_count, groups, alarms);
+  VINV_ARCHIVE(EepromRecord, panel_frequency, remote_frequency, operating_seconds, retry_count, groups, alarms, counters);
 };
 
 struct EepromContents {
@@ -36,6 +39,7 @@ struct EepromContents {
 struct EepromIdentity {
   std::string_view family;
   std::string_view model;
+  std::span<const std::string_view> counters{};  // names of EepromRecord::counters
 };
 
 inline constexpr int kEepromVersion = 1;

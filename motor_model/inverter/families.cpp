@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "motor_model/inverter/a700/inverter.hpp"
 #include "motor_model/inverter/e500/inverter.hpp"
 #include "motor_model/inverter/inverter.hpp"
 
@@ -14,8 +15,9 @@ struct Family {
   const std::vector<ModelRow>& (*models)();
 };
 
-const std::array<Family, 1> kFamilies{{
+const std::array<Family, 2> kFamilies{{
     {e500::kFamily, &e500::make_e500, []() -> const std::vector<ModelRow>& { return e500::family_data().models; }},
+    {a700::kFamily, &a700::make_a700, []() -> const std::vector<ModelRow>& { return a700::family_data().models; }},
 }};
 
 }  // namespace

@@ -34,6 +34,7 @@ struct InverterConfig {
   double brake_resistance_ohm = 0;  // external brake resistor; 0: none
   std::optional<double> source_resistance_ohm;
   bool option_fitted = true;
+  int option_connector = 3;  // A700: 3 is the network option's; in 1 and 2 it is an option fault
   plant::SolverSettings solver;
   // Factory values of this unit in place of the family's ("Pr.345", 5), physical: what it starts with, and has again
   // after all clear or with a damaged EEPROM.

@@ -98,10 +98,11 @@ void ParameterStore::set_factory(std::size_t row, std::int32_t raw) {
   factory_[row] = raw;
 }
 
-void ParameterStore::clear(ClearKind kind) {
+void ParameterStore::clear(ClearKind kind, bool communication_too) {
   for (std::size_t i = 0; i < ram_.size(); ++i) {
     const ClearRule rule = table_->rows()[i].clear;
     if (rule == ClearRule::kNever || (rule == ClearRule::kAllClearOnly && kind == ClearKind::kParameterClear)) continue;
+    if (table_->rows()[i].communication && !communication_too) continue;
     ram_[i] = eeprom_[i] = factory_[i];
   }
   ram_changed();

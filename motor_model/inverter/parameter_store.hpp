@@ -45,7 +45,8 @@ class ParameterStore {
   // Without access rules; the row must accept the value.
   void write(std::size_t row, std::int32_t raw, Storage storage);
   void set_factory(std::size_t row, std::int32_t raw);  // both images, too
-  void clear(ClearKind kind);                           // both images, by each row's clear rule
+  // Both images, by each row's clear rule; communication settings may be left alone where rows are marked as such.
+  void clear(ClearKind kind, bool communication_too = true);
   void clear_to_factory();                              // EEPROM and RAM, every row: the contents are lost
   void load_ram_from_eeprom();                          // power-on and reset
   void set_eeprom(const std::vector<std::int32_t>& image);

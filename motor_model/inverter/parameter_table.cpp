@@ -37,6 +37,7 @@ std::optional<std::vector<RawRange>> parse_allowed(std::string_view text, int de
 }
 
 // Default of one model by rules "rated_current" or "kw<=0.75:6 kw<=7.5:3" or "volt<=200:200 ..."; the first that fits.
+// In place of a number a rule may give "rated" (current), "rated*0.85" or "capacity" (kW).
 std::optional<std::string> model_default_text(std::string_view rule, const ModelRow& model) {
   for (std::string_view part : split(rule, ' ')) {
     const std::size_t le = part.find("<=");
@@ -59,6 +60,13 @@ std::int32_t default_for(const ParameterRow& row, const ModelRow& model) {
     return static_cast<std::int32_t>(model.rated_current_a_rms * scale + 0.5);
   }
   const auto text = model_default_text(row.model_default, model);
+  const auto scaled = [&row](double value) {
+    for (int i = 0; i < row.decimals; ++i) value *= 10;
+    return static_cast<std::int32_t>(value + 0.5);
+  };
+  if (text == "rated") return scaled(model.rated_current_a_rms);
+  if (text == "rated*0.85") return scaled(model.rated_current_a_rms * 0.85);
+  if (text == "capacity") return scaled(model.motor_kw);
   const auto raw = text ? text_to_raw(*text, row.decimals) : std::nullopt;
   return raw ? static_cast<std::int32_t>(*raw) : row.raw_default;
 }
@@ -147,6 +155,14 @@ Result<ParameterTable, std::string> ParameterTable::load(std::string_view csv) {
     row.write_while_running_free = in.yes("write_while_running_pr77_2");
     row.write_when_locked = in.yes("write_when_locked");
     row.panel_any_mode = in.yes("panel_any_mode");
+    if (table->column("alias")) row.alias = in.text("alias");
+    if (table->column("network_access")) {
+      row.network_read_only = in.text("network_access") == "R";
+      if (!row.network_read_only && in.text("network_access") != "RW") in.fail("network_access", "must be R or RW");
+      row.communication = in.yes("communication");
+      row.ram_only = in.text("storage") == "ram";
+      if (!row.ram_only && !in.text("storage").empty()) in.fail("storage", "must be ram or empty");
+    }
     row.read_only = in.text("access") == "RO";
     if (!row.read_only && in.text("access") != "RW") in.fail("access", "must be RO or RW");
 
@@ -231,6 +247,9 @@ std::optional<std::size_t> ParameterTable::index(port::ParameterId id) const {
 }
 
 std::optional<std::size_t> ParameterTable::index(std::string_view label) const {
+  for (std::size_t i = 0; i < rows_.size() && label.substr(0, 1) == "C"; ++i) {
+    if (rows_[i].alias == label) return i;
+  }
   if (label.substr(0, 3) == "Pr.") label.remove_prefix(3);
   const std::size_t dot = label.find('.');
   const auto number = parse_integer(label.substr(0, dot));

@@ -41,6 +41,7 @@ struct FineIncrement {
 struct ParameterRow {
   port::ParameterId id;
   std::string label;  // "Pr.7", "Pr.902.1"
+  std::string alias;  // the panel's own name where it has one (A700: "C2"), or empty
   std::string name;
   std::string unit;  // "-" where there is none
   int decimals = 0;  // increment = 10^-decimals
@@ -57,6 +58,9 @@ struct ParameterRow {
   bool write_when_locked = false;        // write disable 1
   bool panel_any_mode = false;           // from the panel in every operation mode
   bool read_only = false;
+  bool network_read_only = false;
+  bool communication = false;  // kept by the clears that leave communication settings alone
+  bool ram_only = false;       // never goes into the EEPROM
   ParameterKind kind = ParameterKind::kOrdinary;
   ClearRule clear = ClearRule::kCleared;
   bool acts = true;
@@ -82,7 +86,7 @@ class ParameterTable {
   std::optional<std::size_t> index(port::ParameterId id) const;
   // Row of a number without sub-index; -1: none.
   std::int16_t whole(unsigned number) const { return number < kNumbers ? places_[number][0] : kNone; }
-  // By "Pr.7", "7" or "Pr.902.1".
+  // By "Pr.7", "7", "Pr.902.1" or an alias.
   std::optional<std::size_t> index(std::string_view label) const;
   // True for a number that exists, whatever the sub-index.
   bool has_number(std::uint32_t number) const;

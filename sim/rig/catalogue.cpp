@@ -56,7 +56,7 @@ struct CurrentInput {
 };
 
 // Analog inputs that take 4-20 mA; all others take a voltage.
-constexpr CurrentInput kCurrentInputs[] = {{"fr-e500", "4"}};
+constexpr CurrentInput kCurrentInputs[] = {{"fr-e500", "4"}, {"fr-a700", "4"}};
 
 }  // namespace
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/multi_speed.hpp"
 #include "motor_model/inverter/e500/parameter_numbers.hpp"
+#include "motor_model/inverter/mitsubishi/multi_speed.hpp"
 
 namespace vinv::inverter::e500 {
 namespace {
@@ -14,9 +14,6 @@ namespace {
 using drive::RunDirection;
 using port::NetTerminal;
 using port::OperationMode;
-
-constexpr double kPeriod_s = to_seconds(Inverter::kControlPeriod);
-constexpr double kFilterUnit_s = 0.005;  // Pr.74: times 2 to the power of the setting
 
 // Signals that never come from the network: the thermal relay is wired, and X16 chooses the mode.
 constexpr InputSignals mask_of(std::initializer_list<InputSignal> signals) {
@@ -30,44 +27,13 @@ constexpr InputSignals kOperationSignals = mask_of({InputSignal::kRt, InputSigna
 
 }  // namespace
 
-InputSignals E500Inverter::assigned(bool rl, bool rm, bool rh, bool mrs) const {
-  InputSignals out;
-  const auto add = [&](unsigned function, bool closed) {
-    const auto signal = data_.signals.input(store_.integer(function));
-    if (signal && closed) out.set(*signal, true);
-  };
-  add(pr::kRlFunction, rl);
-  add(pr::kRmFunction, rm);
-  add(pr::kRhFunction, rh);
-  add(pr::kMrsFunction, mrs);
-  return out;
-}
-
-bool E500Inverter::has_function(InputSignal signal) const {
-  for (unsigned function : {pr::kRlFunction, pr::kRmFunction, pr::kRhFunction, pr::kMrsFunction}) {
-    if (data_.signals.input(store_.integer(function)) == signal) return true;
-  }
-  return false;
-}
-
-InputSignals E500Inverter::wired_signals() const {
-  const auto& closed = wiring_.closed;
-  InputSignals signals = assigned(closed[kRl], closed[kRm], closed[kRh], closed[kMrs]);
-  // Pr.17 = 2: a normally closed contact.
-  if (v_.mrs_inverted && has_function(InputSignal::kMrs)) {
-    signals.set(InputSignal::kMrs, !signals.has(InputSignal::kMrs));
-  }
-  return signals;
-}
-
-E500Inverter::Inputs E500Inverter::read_inputs() {
+mitsubishi::Inputs E500Inverter::read_inputs() {
   const InputSignals wired = wired_signals();
   const auto& command = v_.network.command;
-  const InputSignals from_network = assigned(command.has(NetTerminal::kRl), command.has(NetTerminal::kRm),
-                                             command.has(NetTerminal::kRh), command.has(NetTerminal::kMrs));
-  const StopSelection stop = stop_selection(store_.value(pr::kStopSelection));
-  Inputs in;
-  StartSignals start{wiring_.closed[kStf], wiring_.closed[kStr], wired.has(InputSignal::kStop)};
+  const InputSignals from_network = assigned(command);
+  mitsubishi::Inputs in;
+  mitsubishi::StartSignals start{wired.has(InputSignal::kStf), wired.has(InputSignal::kStr),
+                                 wired.has(InputSignal::kStop)};
   bool by_panel = false;
   in.signals = wired;
   in.output_stop = wired.has(InputSignal::kMrs);
@@ -98,33 +64,23 @@ E500Inverter::Inputs E500Inverter::read_inputs() {
     }
     default: break;
   }
-  if (by_panel) start = {};
-  const RunDirection by_signals = v_.start_latch.step(start, stop.str_is_direction);
-  in.direction = permitted(by_panel ? v_.panel.run : by_signals, store_.integer(pr::kReversePrevention));
-  v_.any_start_signal = wiring_.closed[kStf] || wiring_.closed[kStr] || command.has(NetTerminal::kStf) ||
-                        command.has(NetTerminal::kStr) || v_.panel.run != RunDirection::kStop ||
-                        by_signals != RunDirection::kStop;
-  if (v_.panel.stopped_by_panel) in.direction = RunDirection::kStop;
-  // The contact of the thermal relay is closed while all is well.
-  in.external_thermal = has_function(InputSignal::kOh) && (!wired.has(InputSignal::kOh) || causes_.external_thermal);
+  take_start(in, start, by_panel);
   return in;
 }
 
 double E500Inverter::terminal_2_percent() {
   const double full_scale_v = store_.integer(pr::kVoltageRange) == 0 ? 5 : 10;
   const bool by_converter = v_.mode == OperationMode::kNetwork && v_.network.converter;
-  const double percent =
-      by_converter ? *v_.network.converter * 100.0 / 255 : std::min(100.0, wiring_.terminal_2_v / full_scale_v * 100);
-  const double filter_s = kFilterUnit_s * std::exp2(store_.integer(pr::kInputFilter));
-  return v_.input_2.step(percent, kPeriod_s, filter_s);
+  const double percent = by_converter ? *v_.network.converter * 100.0 / 255
+                                      : std::min(100.0, wiring_.at(mitsubishi::AnalogInput::k2) / full_scale_v * 100);
+  return filtered_percent(v_.input_2, percent);
 }
 
 double E500Inverter::terminal_4_percent() {
-  const double filter_s = kFilterUnit_s * std::exp2(store_.integer(pr::kInputFilter));
-  return v_.input_4.step(std::min(100.0, wiring_.terminal_4_ma / 20 * 100), kPeriod_s, filter_s);
+  return filtered_percent(v_.input_4, std::min(100.0, wiring_.at(mitsubishi::AnalogInput::k4) / 20 * 100));
 }
 
-double E500Inverter::set_frequency(const Inputs& inputs) {
+double E500Inverter::set_frequency(const mitsubishi::Inputs& inputs) {
   // Both inputs are followed in every mode, so that a change of source meets a settled filter.
   const double percent_2 = terminal_2_percent();
   const double percent_4 = terminal_4_percent();
@@ -132,7 +88,8 @@ double E500Inverter::set_frequency(const Inputs& inputs) {
                           store_.value(pr::kVoltageGain, 2), store_.value(pr::kVoltageGain, 1)};
   const AnalogLine line_4{store_.value(pr::kCurrentBias, 2), store_.value(pr::kCurrentBias, 1),
                           store_.value(pr::kCurrentGain, 2), store_.value(pr::kCurrentGain, 1)};
-  const bool panel_sets = v_.mode == OperationMode::kPu || v_.mode == OperationMode::kCombined1;
+  const bool panel_sets = panel_sets_speed();
+  v_.pid_active = false;
   const bool network_sets = v_.mode == OperationMode::kNetwork && store_.integer(pr::kSpeedRight) == 0;
 
   if (v_.mode == OperationMode::kPu && v_.panel.jog_run) {
@@ -141,7 +98,7 @@ double E500Inverter::set_frequency(const Inputs& inputs) {
   }
   const int remote = store_.integer(pr::kRemoteSetting);
   if (remote == 0 || v_.mode == OperationMode::kPu) {
-    if (const auto speed = multi_speed_hz(store_, inputs.signals)) {
+    if (const auto speed = mitsubishi::multi_speed_hz(store_, inputs.signals)) {
       v_.pid.reset();
       return *speed;
     }
@@ -165,19 +122,10 @@ double E500Inverter::set_frequency(const Inputs& inputs) {
       const double span = line.gain_percent - line.bias_percent;
       return span > 0.1 ? (percent - line.bias_percent) / span * 100 : 0;
     };
-    const auto limit = [this](unsigned number, double none) {
-      return store_.is_9999(number) ? none : store_.value(number);
-    };
-    drive::PidSettings pid;
-    pid.action = action == 21 ? drive::PidAction::kForward : drive::PidAction::kReverse;
-    pid.proportional_band_percent = limit(pr::kPidBand, 0);
-    pid.integral_s = limit(pr::kPidIntegral, 0);
-    pid.derivative_s = limit(pr::kPidDerivative, 0);
-    pid.upper_limit_percent = limit(pr::kPidUpper, 1e9);
-    pid.lower_limit_percent = limit(pr::kPidLower, -1e9);
     // Set point: Pr.133 where panel or network set the speed, else terminal 2. Measured value: terminal 4.
     const double set_point = panel_sets || network_sets ? store_.value(pr::kPidSetPoint) : share(percent_2, line_2);
-    return v_.pid.step(kPeriod_s, pid, set_point, share(percent_4, line_4)) / 100 * line_2.gain_hz;
+    return pid_frequency(inputs, action == 21 ? drive::PidAction::kForward : drive::PidAction::kReverse, set_point,
+                         share(percent_4, line_4), line_2.gain_hz);
   }
   v_.pid.reset();
   if (remote == 0 || v_.mode == OperationMode::kPu) return main_hz;
@@ -185,8 +133,7 @@ double E500Inverter::set_frequency(const Inputs& inputs) {
 }
 
 Outcome E500Inverter::set_reference(double hz) {
-  const bool panel_sets = v_.mode == OperationMode::kPu || v_.mode == OperationMode::kCombined1;
-  if (panel_sets) return set_panel_frequency(hz);
+  if (panel_sets_speed()) return set_panel_frequency(hz);
   if (v_.mode == OperationMode::kNetwork && store_.integer(pr::kSpeedRight) == 0)
     return Unexpected(std::string("the network master sets the speed; ") + mode_sentence());
   if (store_.integer(pr::kPidAction) != 0)
@@ -210,25 +157,6 @@ Outcome E500Inverter::set_reference(double hz) {
   }
   if (current) return set_analog("4", percent / 100 * 20);
   return set_analog("2", percent / 100 * (store_.integer(pr::kVoltageRange) == 0 ? 5 : 10));
-}
-
-double E500Inverter::remote_frequency(const Inputs& inputs, double main_hz) {
-  const double up_s = store_.value(pr::kSecondRamp);
-  const double down_s = store_.is_9999(pr::kSecondDeceleration) ? up_s : store_.value(pr::kSecondDeceleration);
-  const double reference_hz = store_.value(pr::kRampReference);
-  drive::RemoteSettings remote;
-  remote.memory = store_.integer(pr::kRemoteSetting) == 1;
-  remote.raise_rate_hz_s = reference_hz / std::max(up_s, kPeriod_s);
-  remote.lower_rate_hz_s = reference_hz / std::max(down_s, kPeriod_s);
-  remote.max_hz = std::max(0.0, maximum_frequency_hz(store_) - main_hz);
-  const double hz = v_.remote.step(kPeriod_s, remote,
-                                   {inputs.signals.has(InputSignal::kRh), inputs.signals.has(InputSignal::kRm),
-                                    inputs.signals.has(InputSignal::kRl), inputs.direction != RunDirection::kStop});
-  if (const auto store = v_.remote.take_store()) {
-    record_.remote_frequency = static_cast<std::int32_t>(std::lround(*store * 100));
-    eeprom_written();
-  }
-  return hz;
 }
 
 }  // namespace vinv::inverter::e500

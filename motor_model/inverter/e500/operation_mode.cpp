@@ -59,6 +59,7 @@ Result<OperationMode, Refusal> request_mode(OperationMode now, ModeRequest reque
       if (now != OperationMode::kNetwork) return now;
       wanted = OperationMode::kExternal;
       break;
+    case ModeRequest::kPanelByNetwork: return Unexpected(Refusal::kModeChangeRefused);
     case ModeRequest::kPanelKey:
       if (now != OperationMode::kExternal && now != OperationMode::kPu) return Unexpected(Refusal::kModeChangeRefused);
       if (!panel_reachable(s)) return Unexpected(Refusal::kModeChangeRefused);

@@ -2,14 +2,13 @@
 // OI-FR-E5NCO manual 4.1, 4.2; Pr.79 and Pr.340 typical for the family. Pure functions.
 #pragma once
 
-#include <cstdint>
-
+#include "motor_model/inverter/mitsubishi/mode_request.hpp"
 #include "motor_model/port/drive_port.hpp"
 #include "sim/base/result.hpp"
 
 namespace vinv::inverter::e500 {
 
-enum class ModeRequest : std::uint8_t { kNetworkOn, kNetworkOff, kPanelKey };
+using mitsubishi::ModeRequest;
 
 struct ModeSituation {
   int raw_pr79 = 0;

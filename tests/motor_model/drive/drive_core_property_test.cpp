@@ -69,7 +69,9 @@ DriveSettings random_settings(Random& r) {
 double steepest(const DriveSettings& s, double time_s) {
   if (time_s <= 0) return 1e9;
   switch (s.ramp_pattern) {
-    case RampPattern::kLinear: return s.ramp_reference_hz / time_s;
+    case RampPattern::kLinear:
+    case RampPattern::kBacklash:
+    case RampPattern::kSCurveC: return s.ramp_reference_hz / time_s;
     case RampPattern::kSCurveA: return 9.0 / 8 * s.cushion_pattern_base_hz / time_s;
     case RampPattern::kSCurveB: return std::numbers::pi / 2 * s.ramp_reference_hz / time_s;
   }

@@ -172,5 +172,62 @@ TEST(SCurveB, AReversedTargetStartsANewCurve) {
   EXPECT_NEAR(ticks_to(ramp, 5, times), 2000, 1);
 }
 
+TEST(RampGenerator, SCurveCTakesItsSTimeInAdditionAndHasNoJumpOfTheRate) {
+  RampGenerator ramp;
+  const RampTimes times{.acceleration_s = 4,
+                        .deceleration_s = 2,
+                        .pattern = RampPattern::kSCurveC,
+                        .s_time_acceleration_s = 1,
+                        .s_time_deceleration_s = 0.5};
+  double last = 0;
+  double last_rate = 0;
+  double most = 0;
+  int n = 0;
+  while (ramp.frequency_hz() != 50 && n < 10000) {
+    ramp.step(kDt, 50, times);
+    const double rate = (ramp.frequency_hz() - last) / kDt;
+    EXPECT_LT(std::abs(rate - last_rate), 0.1) << n;  // 12.5 Hz/s within a second
+    most = std::max(most, rate);
+    last = ramp.frequency_hz();
+    last_rate = rate;
+    ++n;
+  }
+  EXPECT_NEAR(n, 5000, 2);
+  EXPECT_NEAR(most, 12.5, 0.01);
+  EXPECT_NEAR(ticks_to(ramp, 0, times), 2500, 2);
+}
+
+TEST(RampGenerator, BacklashStopsOnTheWayUpAndOnTheWayDown) {
+  RampGenerator ramp;
+  const RampTimes times{.acceleration_s = 5,
+                        .deceleration_s = 5,
+                        .pattern = RampPattern::kBacklash,
+                        .hold_up_hz = 3,
+                        .hold_up_s = 0.5,
+                        .hold_down_hz = 2,
+                        .hold_down_s = 0.25};
+  int held = 0;
+  for (int i = 0; i < 5505; ++i) {
+    ramp.step(kDt, 50, times);
+    held += ramp.frequency_hz() == 3 ? 1 : 0;
+  }
+  EXPECT_EQ(ramp.frequency_hz(), 50);
+  EXPECT_NEAR(held, 501, 2);
+  held = 0;
+  for (int i = 0; i < 5305; ++i) {
+    ramp.step(kDt, 0, times);
+    held += ramp.frequency_hz() == 2 ? 1 : 0;
+  }
+  EXPECT_EQ(ramp.frequency_hz(), 0);
+  EXPECT_NEAR(held, 251, 2);
+  // In the other direction the same.
+  held = 0;
+  for (int i = 0; i < 1500; ++i) {
+    ramp.step(kDt, -50, times);
+    held += ramp.frequency_hz() == -3 ? 1 : 0;
+  }
+  EXPECT_NEAR(held, 501, 2);
+}
+
 }  // namespace
 }  // namespace vinv::drive

@@ -60,5 +60,26 @@ TEST(SlipCompensation, InverterRatingStandsInForAnUnknownMotor) {
   EXPECT_NEAR(settle(slip, s, 30, 4), 1, 1e-6);
 }
 
+TEST(Droop, LowersTheFrequencyWithTheTorqueCurrent) {
+  DriveSettings s;
+  s.motor_rated_current_a_rms = 5;
+  s.motor_no_load_current_a_rms = 3;  // rated torque current 4 A
+  s.droop_hz = 2;
+  s.droop_filter_s = 0.1;
+  Droop d;
+  for (int i = 0; i < 2000; ++i) d.step(0.001, s, false, 2);
+  EXPECT_NEAR(d.step(0.001, s, false, 2), 1, 1e-3);
+  for (int i = 0; i < 2000; ++i) d.step(0.001, s, false, -4);
+  EXPECT_NEAR(d.step(0.001, s, false, -4), -2, 1e-3);  // regenerating raises it
+  // While ramping it fades, unless it is to act there too.
+  for (int i = 0; i < 2000; ++i) d.step(0.001, s, true, 4);
+  EXPECT_NEAR(d.step(0.001, s, true, 4), 0, 1e-3);
+  s.droop_in_ramps = true;
+  for (int i = 0; i < 2000; ++i) d.step(0.001, s, true, 4);
+  EXPECT_NEAR(d.step(0.001, s, true, 4), 2, 1e-3);
+  s.droop_hz = 0;
+  EXPECT_EQ(d.step(0.001, s, false, 4), 0);
+}
+
 }  // namespace
 }  // namespace vinv::drive

@@ -63,5 +63,23 @@ TEST(VfCurve, ResistanceCompensationAddsMostOfTheDropUpToTheBaseVoltage) {
 
 TEST(VfCurve, PhasePeakFollowsFromLineRms) { EXPECT_NEAR(phase_peak_v(400), 326.599, 1e-3); }
 
+TEST(VfCurve, AnAdjustableLawGoesThroughItsPoints) {
+  DriveSettings s;
+  s.base_frequency_hz = 50;
+  s.base_voltage_v_rms = 400;
+  s.torque_boost_percent = 5;
+  s.vf_points = {VfPoint{10, 60}, VfPoint{30, 200}};
+  s.vf_point_count = 2;
+  const auto v = [&](double hz) { return vf_voltage_v_rms(s, hz, RunDirection::kForward, 0); };
+  EXPECT_DOUBLE_EQ(v(0), 20);
+  EXPECT_DOUBLE_EQ(v(5), 40);
+  EXPECT_DOUBLE_EQ(v(10), 60);
+  EXPECT_DOUBLE_EQ(v(20), 130);
+  EXPECT_DOUBLE_EQ(v(30), 200);
+  EXPECT_DOUBLE_EQ(v(40), 300);
+  EXPECT_DOUBLE_EQ(v(50), 400);
+  EXPECT_DOUBLE_EQ(v(80), 400);
+}
+
 }  // namespace
 }  // namespace vinv::drive

@@ -1,4 +1,4 @@
-// An FR-E500 on a test bench: makes one, lets time pass tick by tick, plays panel and network master.
+// An inverter on a test bench, an FR-E500 unless told otherwise: makes one, lets time pass tick by tick, plays panel and network master.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -24,8 +24,8 @@ inline InverterConfig config_1k5() { return config_for("FR-E540-1.5K", "iec4p_1k
 
 class Bench {
  public:
-  explicit Bench(const InverterConfig& config = config_1k5()) {
-    auto made = make_inverter("fr-e500", config);
+  explicit Bench(const InverterConfig& config = config_1k5(), std::string_view family = "fr-e500") {
+    auto made = make_inverter(family, config);
     EXPECT_TRUE(made.has_value()) << (made ? "" : made.error());
     inverter_ = std::move(made).value();
   }
@@ -34,6 +34,7 @@ class Bench {
   Inverter* operator->() { return inverter_.get(); }
   port::DrivePort& port() { return inverter_->port(); }
   Instant now() const { return now_; }
+  void set_now(Instant now) { now_ = now; }
   double now_s() const { return to_seconds(now_); }
 
   void tick() {

@@ -6,9 +6,13 @@
 #include <set>
 
 #include "motor_model/inverter/e500/inverter.hpp"
-#include "motor_model/inverter/e500/multi_speed.hpp"
+#include "motor_model/inverter/e500/settings.hpp"
+#include "motor_model/inverter/mitsubishi/multi_speed.hpp"
+#include "motor_model/inverter/mitsubishi/run_command.hpp"
 
 namespace vinv::inverter::e500 {
+using namespace mitsubishi;
+
 namespace {
 
 using drive::RunDirection;

@@ -53,7 +53,7 @@ TEST(AutoTuning, NeedsTheMotorCapacity) {
 // --- construction ---
 
 TEST(MakeInverter, RefusesWithASentence) {
-  EXPECT_EQ(make_inverter("fr-x", config_1k5()).error(), "there is no inverter family fr-x; there is fr-e500");
+  EXPECT_EQ(make_inverter("fr-x", config_1k5()).error(), "there is no inverter family fr-x; there is fr-e500, fr-a700");
   EXPECT_THAT(make_inverter("fr-e500", config_for("FR-X", "iec4p_1k5kW_400V")).error(),
               HasSubstr("has no model FR-X; there are FR-E520-0.1K, "));
   InverterConfig c = config_1k5();

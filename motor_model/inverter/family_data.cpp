@@ -1,0 +1,23 @@
+#include "motor_model/inverter/family_data.hpp"
+
+#include <utility>
+
+#include "sim/base/check.hpp"
+
+namespace vinv::inverter {
+namespace {
+
+template <class T>
+T checked(Result<T, std::string> loaded) {
+  VINV_CHECK(loaded.has_value());
+  return std::move(loaded).value();
+}
+
+}  // namespace
+
+FamilyData load_family(const FamilyTables& csv) {
+  return {checked(ParameterTable::load(csv.parameters)), checked(AlarmTable::load(csv.alarms)),
+          checked(SignalMap::load(csv.terminals)), checked(load_models(csv.models))};
+}
+
+}  // namespace vinv::inverter
