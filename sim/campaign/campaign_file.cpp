@@ -53,55 +53,20 @@ class Loader {
 
   Campaign load(std::string_view text) {
     text_ = text;
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
     if (const auto root = parse()) document(*root);
-    if (!problems_.empty()) refuse();
+    if (!problems_.empty()) throw CampaignFileError(campaign_.path, problems_.take_sorted());
     return std::move(campaign_);
   }
 
  private:
-  [[noreturn]] void refuse() {
-    auto list = problems_.take();
-    std::stable_sort(list.begin(), list.end(), [](const rig::Problem& a, const rig::Problem& b) {
-      return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
-    });
-    throw CampaignFileError(campaign_.path, std::move(list));
-  }
-
   std::optional<YAML::Node> parse() {
-    if (text_.size() > rig::kMaxPlantFileBytes) {
-      problems_.add(rig::Position{}, fmt::format("the file is larger than {} bytes.", rig::kMaxPlantFileBytes));
-      return {};
-    }
-    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-    std::string_view title = text_.substr(0, text_.find('\n'));
-    if (title.starts_with('#'))
-      title.remove_prefix(1);
-    else
-      title = {};
-    while (!title.empty() && title.front() == ' ') title.remove_prefix(1);
-    while (!title.empty() && (title.back() == ' ' || title.back() == '\r')) title.remove_suffix(1);
-    campaign_.title = title;
-    if (title.empty())
+    campaign_.title = scenario::first_comment(text_);
+    if (campaign_.title.empty())
       problems_.add(
           rig::Position{1, 1},
           "the first line is a comment that says what the campaign looks for, as \"# E.OV3 over deceleration times\".");
-    try {
-      auto documents = YAML::LoadAll(std::string(text_));
-      if (documents.empty() || documents[0].IsNull()) {
-        problems_.add(rig::Position{1, 1}, "the file is empty; a campaign needs \"scenario:\" and \"variations:\".");
-        return {};
-      }
-      if (documents.size() > 1) {
-        problems_.add(documents[1], "a second document (---) begins here; a campaign is one document.");
-        return {};
-      }
-      return documents[0];
-    } catch (const YAML::Exception& e) {
-      const rig::Position at =
-          e.mark.is_null() ? rig::Position{1, 1} : rig::Position{e.mark.line + 1, e.mark.column + 1};
-      problems_.add(at, "this is not YAML: " + e.msg + ".");
-      return {};
-    }
+    return rig::read_document(text_, "a campaign", "a campaign needs \"scenario:\" and \"variations:\".", problems_);
   }
 
   void document(const YAML::Node& root) {

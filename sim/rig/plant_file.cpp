@@ -55,7 +55,7 @@ class Loader {
   }
 
   PlantFile load(std::string_view text) {
-    const auto root = parse(text);
+    const auto root = read_document(text, "a plant file", "a plant needs at least \"drives:\" with one drive.", problems_);
     return load_node(root ? &*root : nullptr);
   }
 
@@ -79,29 +79,6 @@ class Loader {
 
  private:
   static const Keys& keys(const char* path) { return plant_file_keys().at(path); }
-
-  std::optional<YAML::Node> parse(std::string_view text) {
-    if (text.size() > kMaxPlantFileBytes) {
-      problems_.add(Position{}, "the file is larger than " + std::to_string(kMaxPlantFileBytes) + " bytes.");
-      return {};
-    }
-    try {
-      auto documents = YAML::LoadAll(std::string(text));
-      if (documents.empty() || documents[0].IsNull()) {
-        problems_.add(Position{1, 1}, "the file is empty; a plant needs at least \"drives:\" with one drive.");
-        return {};
-      }
-      if (documents.size() > 1) {
-        problems_.add(documents[1], "a second document (---) begins here; a plant file is one document.");
-        return {};
-      }
-      return documents[0];
-    } catch (const YAML::Exception& e) {
-      const Position at = e.mark.is_null() ? Position{1, 1} : Position{e.mark.line + 1, e.mark.column + 1};
-      problems_.add(at, "this is not YAML: " + e.msg + ".");
-      return {};
-    }
-  }
 
   void plant(const YAML::Node& root) {
     const YamlMap map(root, "the plant file", &keys(""), problems_);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "sim/rig/words.hpp"
 
@@ -17,11 +18,68 @@ std::string shortest(double v) {
 
 bool quoted(const YAML::Node& node) { return node.Tag() == "!"; }
 
+// Aliases of YAML can make a small text a huge tree.
+constexpr std::size_t kMaxNodes = 1'000'000;
+constexpr int kMaxDepth = 64;
+
+// False if there are too many nodes, or they are nested too deep.
+bool countable(const YAML::Node& node, std::size_t& left, int depth) {
+  if (left == 0 || depth > kMaxDepth) return false;
+  --left;
+  if (node.IsMap()) {
+    for (const auto& pair : node)
+      if (!countable(pair.first, left, depth + 1) || !countable(pair.second, left, depth + 1)) return false;
+  } else if (node.IsSequence()) {
+    for (const auto& item : node)
+      if (!countable(item, left, depth + 1)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Position position_of(const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.is_null() ? Position{} : Position{mark.line + 1, mark.column + 1};
+}
+
+std::vector<Problem> Problems::take_sorted() {
+  auto list = take();
+  const auto place = [](const Problem& p) { return std::pair(p.at.line, p.at.column); };
+  std::stable_sort(list.begin(), list.end(),
+                   [&](const Problem& a, const Problem& b) { return place(a) < place(b); });
+  const auto same = [&](const Problem& a, const Problem& b) { return place(a) == place(b) && a.message == b.message; };
+  list.erase(std::unique(list.begin(), list.end(), same), list.end());
+  return list;
+}
+
+std::optional<YAML::Node> read_document(std::string_view text, std::string_view what, std::string_view needs,
+                                        Problems& problems) {
+  if (text.size() > kMaxPlantFileBytes) {
+    problems.add(Position{}, "the file is larger than " + std::to_string(kMaxPlantFileBytes) + " bytes.");
+    return {};
+  }
+  try {
+    auto documents = YAML::LoadAll(std::string(text));
+    if (documents.empty() || documents[0].IsNull()) {
+      problems.add(Position{1, 1}, "the file is empty; " + std::string(needs));
+      return {};
+    }
+    if (documents.size() > 1) {
+      problems.add(documents[1], "a second document (---) begins here; " + std::string(what) + " is one document.");
+      return {};
+    }
+    std::size_t left = kMaxNodes;
+    if (!countable(documents[0], left, 0)) {
+      problems.add(Position{1, 1}, "the file is nested too deep, or its aliases make it too large.");
+      return {};
+    }
+    return documents[0];
+  } catch (const YAML::Exception& e) {
+    const Position at = e.mark.is_null() ? Position{1, 1} : Position{e.mark.line + 1, e.mark.column + 1};
+    problems.add(at, "this is not YAML: " + e.msg + ".");
+    return {};
+  }
 }
 
 std::string Range::text() const {

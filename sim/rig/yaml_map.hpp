@@ -21,6 +21,8 @@ class Problems {
   void add(const YAML::Node& node, std::string message) { add(position_of(node), std::move(message)); }
   bool empty() const { return items_.empty(); }
   std::vector<Problem> take() { return std::move(items_); }
+  // In the order of the file; of a part that was read several times, its mistake once.
+  std::vector<Problem> take_sorted();
 
  private:
   std::vector<Problem> items_;
@@ -42,6 +44,11 @@ std::optional<long> read_integer(const YAML::Node& node, std::string_view what, 
                                  Problems& problems);
 std::optional<bool> read_switch(const YAML::Node& node, std::string_view what, Problems& problems);
 std::optional<std::string> read_text(const YAML::Node& node, std::string_view what, Problems& problems);
+
+// The one document of a text of at most kMaxPlantFileBytes; adds a problem otherwise, also if it is nested too deep or its
+// aliases make it too large. what: "a plant file"; needs: what an empty file is told, "a plant needs ... .".
+std::optional<YAML::Node> read_document(std::string_view text, std::string_view what, std::string_view needs,
+                                        Problems& problems);
 
 // A plant inside another document (a scenario's `plant:`), with the keys of a plant file. path: of that document.
 PlantFile parse_plant_node(const YAML::Node& node, const std::string& path, const Catalogue& catalogue);

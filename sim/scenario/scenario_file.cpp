@@ -27,35 +27,8 @@ namespace fs = std::filesystem;
 using Keys = std::vector<std::string_view>;
 
 constexpr Duration kDefaultLimit = std::chrono::seconds(60);
-// Aliases of YAML can make a small text a huge tree.
-constexpr std::size_t kMaxNodes = 1'000'000;
-constexpr int kMaxDepth = 64;
 
 std::string stem(const std::string& path) { return fs::path(path).stem().string(); }
-
-std::string first_comment(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  std::string_view line = text.substr(0, text.find('\n'));
-  if (!line.starts_with('#')) return {};
-  line.remove_prefix(1);
-  while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
-  while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.remove_suffix(1);
-  return line.starts_with("yaml-language-server") ? std::string{} : std::string(line);
-}
-
-// False if there are too many nodes, or they are nested too deep.
-bool countable(const YAML::Node& node, std::size_t& left, int depth) {
-  if (left == 0 || depth > kMaxDepth) return false;
-  --left;
-  if (node.IsMap()) {
-    for (const auto& pair : node)
-      if (!countable(pair.first, left, depth + 1) || !countable(pair.second, left, depth + 1)) return false;
-  } else if (node.IsSequence()) {
-    for (const auto& item : node)
-      if (!countable(item, left, depth + 1)) return false;
-  }
-  return true;
-}
 
 class Loader {
  public:
@@ -67,7 +40,7 @@ class Loader {
 
   Scenario load(std::string_view text) {
     scenario_.title = first_comment(text);
-    const auto root = parse(text);
+    const auto root = rig::read_document(text, "a scenario", "a scenario needs \"plant:\" and \"steps:\".", problems_);
     if (root) {
       if (scenario_.title.empty())
         problems_.add(
@@ -75,53 +48,11 @@ class Loader {
             "the first line is a comment that says what the scenario shows, as \"# Stops from 50 Hz in 5 s\".");
       document(*root);
     }
-    if (!problems_.empty()) throw ScenarioFileError(scenario_.path, sorted());
+    if (!problems_.empty()) throw ScenarioFileError(scenario_.path, problems_.take_sorted());
     return std::move(scenario_);
   }
 
  private:
-  std::vector<rig::Problem> sorted() {
-    auto list = problems_.take();
-    std::stable_sort(list.begin(), list.end(), [](const rig::Problem& a, const rig::Problem& b) {
-      return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
-    });
-    // A body that is read once for each value has its mistake each time.
-    const auto same = [](const rig::Problem& a, const rig::Problem& b) {
-      return a.at.line == b.at.line && a.at.column == b.at.column && a.message == b.message;
-    };
-    list.erase(std::unique(list.begin(), list.end(), same), list.end());
-    return list;
-  }
-
-  std::optional<YAML::Node> parse(std::string_view text) {
-    if (text.size() > rig::kMaxPlantFileBytes) {
-      problems_.add(rig::Position{}, "the file is larger than " + std::to_string(rig::kMaxPlantFileBytes) + " bytes.");
-      return {};
-    }
-    try {
-      auto documents = YAML::LoadAll(std::string(text));
-      if (documents.empty() || documents[0].IsNull()) {
-        problems_.add(rig::Position{1, 1}, "the file is empty; a scenario needs \"plant:\" and \"steps:\".");
-        return {};
-      }
-      if (documents.size() > 1) {
-        problems_.add(documents[1], "a second document (---) begins here; a scenario is one document.");
-        return {};
-      }
-      std::size_t left = kMaxNodes;
-      if (!countable(documents[0], left, 0)) {
-        problems_.add(rig::Position{1, 1}, "the file is nested too deep, or its aliases make it too large.");
-        return {};
-      }
-      return documents[0];
-    } catch (const YAML::Exception& e) {
-      const rig::Position at =
-          e.mark.is_null() ? rig::Position{1, 1} : rig::Position{e.mark.line + 1, e.mark.column + 1};
-      problems_.add(at, "this is not YAML: " + e.msg + ".");
-      return {};
-    }
-  }
-
   void document(const YAML::Node& root) {
     const rig::YamlMap map(root, "the scenario", &scenario_keys().at(""), problems_);
     if (!map) return;
@@ -282,6 +213,16 @@ class Loader {
 };
 
 }  // namespace
+
+std::string first_comment(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::string_view line = text.substr(0, text.find('\n'));
+  if (!line.starts_with('#')) return {};
+  line.remove_prefix(1);
+  while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
+  while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.remove_suffix(1);
+  return line.starts_with("yaml-language-server") ? std::string{} : std::string(line);
+}
 
 const std::vector<std::string_view>& action_words() {
   static const Keys words = [] {

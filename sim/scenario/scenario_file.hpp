@@ -32,6 +32,8 @@ inline constexpr int kMaxNesting = 16;
 Scenario parse_scenario(std::string_view text, const std::string& path, const LoadOptions& options);
 Scenario load_scenario(const std::string& path, const LoadOptions& options);
 
+// The comment in the first line, which is the title; empty if there is none, or it is for an editor.
+std::string first_comment(std::string_view text);
 // Title of a file, without reading more than its first line; empty if there is none.
 std::string scenario_title(const std::string& path);
 

@@ -106,7 +106,7 @@ CanSend CanBus::Impl::send(Instant now, const NodePtr& node, const CanFrame& fra
   const CanVerdict verdict = judge.judge(now, frame, node->options.name);
   if (verdict.bus_off) {
     ++node->lost;
-    if (!node->bus_off_due) plan_bus_off(now, *node);
+    if (node->bus_off_event == 0) plan_bus_off(now, *node);
     return CanSend::kRefusedState;
   }
   if (verdict.silence) {
@@ -137,7 +137,6 @@ void CanBus::Impl::start_for(Instant now, CanNodeState& node) {
 
 void CanBus::Impl::hold(CanNodeState& node, const CanNodeState::Waiting& waiting, Instant until) {
   node.held = waiting;
-  node.release_at = until;
   node.release_event = scheduler.schedule(until, kernel::Priority::kWire, [this, n = &node](Instant now) {
     n->release_event = 0;
     release(now, *n);
@@ -205,18 +204,14 @@ void CanBus::Impl::reset_controller(Instant now, const NodePtr& node) {
 }
 
 // In an event of its own, because send() does not call back.
-void CanBus::Impl::plan_bus_off(Instant at, CanNodeState& node) {
-  node.bus_off_due = true;
-  node.bus_off_at = at;
-  node.bus_off_event = scheduler.schedule(at, kernel::Priority::kWire, [this, n = &node](Instant now) {
+void CanBus::Impl::plan_bus_off(Instant now, CanNodeState& node) {
+  node.bus_off_event = scheduler.schedule(now, kernel::Priority::kWire, [this, n = &node](Instant at) {
     n->bus_off_event = 0;
-    n->bus_off_due = false;
-    force_bus_off(now, *n);
+    force_bus_off(at, *n);
   });
 }
 
 void CanBus::Impl::cancel_bus_off(CanNodeState& node) {
-  node.bus_off_due = false;
   if (node.bus_off_event != 0) scheduler.cancel(std::exchange(node.bus_off_event, 0));
 }
 
@@ -262,77 +257,6 @@ void CanBus::Impl::cancel_events() {
   }
 }
 
-CanBusState CanBus::Impl::save() const {
-  VINV_CHECK(reporting == 0);
-  CanBusState state;
-  state.wire = *this;
-  state.at = scheduler.now();
-  state.bitrate = options.bitrate;
-  for (const NodePtr& n : nodes) state.nodes.push_back(*n);
-  for (const NodePtr& t : transmitters) {
-    const auto at = std::find(nodes.begin(), nodes.end(), t);
-    state.transmitters.push_back(at == nodes.end() ? state.nodes.size() : static_cast<std::size_t>(at - nodes.begin()));
-    if (at == nodes.end()) state.nodes.push_back(*t);
-  }
-  return state;
-}
-
-Result<void, std::string> CanBus::Impl::restore(const CanBusState& state) {
-  VINV_CHECK(reporting == 0 && !closed);
-  const std::string refused = "cannot restore CAN bus " + options.name + ": ";
-  if (state.at != scheduler.now()) return Unexpected(refused + "the state is of another time");
-  if (state.bitrate != options.bitrate) return Unexpected(refused + "the state is of another bit rate");
-  const auto attached = static_cast<std::size_t>(
-      std::count_if(state.nodes.begin(), state.nodes.end(), [](const CanNodeData& n) { return n.attached; }));
-  // Twins are made and taken away by faults, which are part of the state.
-  std::vector<NodePtr> wanted = nodes;
-  std::erase_if(wanted, [](const NodePtr& n) { return n->is_twin; });
-  for (std::size_t i = 0; i < attached && i <= wanted.size(); ++i) {
-    if (!state.nodes[i].is_twin) continue;
-    const auto twin = std::make_shared<CanNodeState>();
-    static_cast<CanNodeData&>(*twin) = state.nodes[i];
-    wanted.insert(wanted.begin() + static_cast<std::ptrdiff_t>(i), twin);
-  }
-  if (attached != wanted.size()) {
-    return Unexpected(refused + "it has " + std::to_string(wanted.size()) + " nodes, the state " +
-                      std::to_string(attached));
-  }
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const CanNodeData& n = state.nodes[i];
-    if (n.options.name != wanted[i]->options.name || n.ring.size() != wanted[i]->ring.size()) {
-      return Unexpected(refused + "node " + std::to_string(i + 1) + " is " + wanted[i]->options.name +
-                        ", in the state " + n.options.name);
-    }
-  }
-  cancel_events();
-  nodes = std::move(wanted);
-  static_cast<CanWireData&>(*this) = state.wire;
-  recovering = 0;
-  states_changed = false;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    static_cast<CanNodeData&>(*nodes[i]) = state.nodes[i];
-    recovering += nodes[i]->recovering ? 1 : 0;
-  }
-  transmitters.clear();
-  for (const std::size_t index : state.transmitters) {
-    if (index < nodes.size()) {
-      transmitters.push_back(nodes[index]);
-      continue;
-    }
-    const auto left = std::make_shared<CanNodeState>();
-    static_cast<CanNodeData&>(*left) = state.nodes[index];
-    transmitters.push_back(left);
-  }
-  if (phase == Phase::kStarting) schedule_arbitration();
-  if (phase == Phase::kBusy) schedule_end();
-  plan_recovery();
-  for (const NodePtr& n : nodes) {
-    if (n->bus_off_due) plan_bus_off(n->bus_off_at, *n);
-    if (n->held) hold(*n, CanNodeData::Waiting(*n->held), n->release_at);
-  }
-  return {};
-}
-
 void CanBus::Impl::close() {
   closed = true;
   cancel_events();
@@ -372,9 +296,6 @@ void CanBus::reseed(std::uint64_t seed) { impl_->judge.reseed(seed); }
 void CanBus::inject_error_frame(Instant now) { impl_->disturb(now); }
 const CanBusOptions& CanBus::options() const { return impl_->options; }
 kernel::Scheduler& CanBus::scheduler() const { return impl_->scheduler; }
-
-CanBusState CanBus::save() const { return impl_->save(); }
-Result<void, std::string> CanBus::restore(const CanBusState& state) { return impl_->restore(state); }
 
 CanBusStats CanBus::stats(Instant now) const {
   Impl& impl = *impl_;

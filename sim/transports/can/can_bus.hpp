@@ -91,14 +91,9 @@ class CanBus {
   kernel::Scheduler& scheduler() const;
   CanBusStats stats(Instant now) const;
 
-  // Neither from within a handler or observer.
-  CanBusState save() const;
-  // As if all had happened here: pending events are scheduled anew, in the order wire, recovery, nodes. Handlers and
-  // observers stay, and are told nothing. Refused with a sentence if the scheduler's time or the bit rate is not that
-  // of the state, or the nodes attached now are not those of the state by name, order and length of their queues.
-  Result<void, std::string> restore(const CanBusState& state);
   // As a part of a plant's snapshot: nodes, wire and pending events, these at their places in the order. The bus that
-  // loads has the name, bit rate and nodes of the one that was saved.
+  // loads has the name, bit rate and nodes of the one that was saved, in any order. Handlers and observers stay, and
+  // are told nothing. Not from within one of them.
   friend void archive(Archive& a, CanBus& bus) { bus.archive_state(a); }
 
  private:

@@ -49,11 +49,9 @@ static void archive(Archive& a, CanNodeData::Waiting& waiting) {
 
 static void archive(Archive& a, CanNodeData& node) {
   VINV_MEMBERS(node, options, counters, reported, attached, online, ring, first, count, first_is_on_wire, not_before,
-               joined_at, recovering, recovery_left, recovery_from, bus_off_due, bus_off_at, is_twin, held, release_at,
-               sent, received, lost);
+               joined_at, recovering, recovery_left, recovery_from, is_twin, held, sent, received, lost);
   VINV_FIELDS(a, CanNodeData, options, counters, reported, attached, online, ring, first, count, first_is_on_wire,
-              not_before, joined_at, recovering, recovery_left, recovery_from, bus_off_due, bus_off_at, is_twin, held,
-              release_at, sent, received, lost);
+              not_before, joined_at, recovering, recovery_left, recovery_from, is_twin, held, sent, received, lost);
   a.require(first < ring.size() && count <= ring.size(), "the queue of a CAN node is longer than it can be");
   a.require(count > 0 || !first_is_on_wire, "a CAN node sends a frame that it has not");
 }
@@ -176,7 +174,6 @@ void CanBus::Impl::archive_state(Archive& a) {
   for (const NodePtr& node : nodes) {
     scheduler.archive_event(a, node->bus_off_event, [this, n = node.get()](Instant now) {
       n->bus_off_event = 0;
-      n->bus_off_due = false;
       force_bus_off(now, *n);
     });
     scheduler.archive_event(a, node->release_event, [this, n = node.get()](Instant now) {

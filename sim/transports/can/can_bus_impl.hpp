@@ -16,7 +16,7 @@ namespace vinv::transports {
 
 struct CanNodeState : CanNodeData {
   std::shared_ptr<const CanHandlers> handlers;
-  kernel::EventId bus_off_event = 0;
+  kernel::EventId bus_off_event = 0;  // by a fault plan
   kernel::EventId release_event = 0;
 };
 
@@ -38,15 +38,13 @@ struct CanBus::Impl : CanWireData, std::enable_shared_from_this<Impl> {
   void reset_controller(Instant now, const NodePtr& node);
   void set_handlers(CanNodeState& node, std::shared_ptr<const CanHandlers> handlers);
   void force_bus_off(Instant now, CanNodeState& node);
-  void plan_bus_off(Instant at, CanNodeState& node);
+  void plan_bus_off(Instant now, CanNodeState& node);
   void cancel_bus_off(CanNodeState& node);
   void start_recovery(Instant now, CanNodeState& node);
   void stop_recovery(CanNodeState& node);
   void disturb(Instant now);
   void close();
 
-  CanBusState save() const;
-  Result<void, std::string> restore(const CanBusState& state);
   void cancel_events();
   void archive_state(Archive& a);
   void archive_nodes(Archive& a);

@@ -1,5 +1,5 @@
-// All that a CanBus and its nodes know between two events, as plain data that can be copied, kept and put back: for
-// snapshots of a plant. Who listens (handlers, observers) is not part of it, nor are events: they follow from it.
+// What a CanBus and its nodes know between two events, as plain data: can_bus_archive.cpp saves and loads it. Who
+// listens (handlers, observers) is not part of it; events are archived beside it.
 #pragma once
 
 #include <cstddef>
@@ -54,13 +54,10 @@ struct CanNodeData {
   Instant not_before{};  // suspend transmission of a passive node
   Instant joined_at{};   // hears frames that start from then on
   bool recovering = false;
-  int recovery_left = 0;     // sequences of recessive bits
-  Instant recovery_from{};   // the sequences before it are counted
-  bool bus_off_due = false;  // by a fault plan, at bus_off_at
-  Instant bus_off_at{};
+  int recovery_left = 0;        // sequences of recessive bits
+  Instant recovery_from{};      // the sequences before it are counted
   bool is_twin = false;         // made by a fault plan, of the node that its name ends with
-  std::optional<Waiting> held;  // by a fault plan, behind the next frame or until release_at
-  Instant release_at{};
+  std::optional<Waiting> held;  // by a fault plan, until the next frame is behind it or release_event comes
   std::uint64_t sent = 0;
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
@@ -110,14 +107,6 @@ struct CanWireData {
   std::uint64_t frames = 0;
   std::uint64_t error_frames = 0;
   std::uint64_t arbitrations_lost = 0;
-};
-
-struct CanBusState {
-  CanWireData wire{Instant{}};
-  std::vector<CanNodeData> nodes;         // in the order of attaching; last those that left while they send
-  std::vector<std::size_t> transmitters;  // of the attempt under way, of nodes
-  Instant at{};
-  std::uint32_t bitrate = 0;  // of the bus
 };
 
 }  // namespace vinv::transports

@@ -1,12 +1,13 @@
 """vinverter campaign from a shell: exit codes, where output goes, what cannot be written."""
 import os
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
 VINVERTER, ROOT = sys.argv[1:3]
-failures = 0
+sys.path.insert(0, ROOT + "/tests")
+import cli_check  # noqa: E402 (its folder is an argument)
+from cli_check import expect  # noqa: E402
 SCENARIO = """# Speeds.
 scenario:
   plant: { drives: [{ inverter: { model: FR-E540-0.75K }, load: { inertia_kg_m2: 0.002 }, parameters: { Pr.7: 0.1 } }] }
@@ -22,15 +23,7 @@ variations:
 
 
 def run(*args, command="campaign", cwd=None):
-    done = subprocess.run([VINVERTER, command, *args], capture_output=True, text=True, timeout=100, cwd=cwd)
-    return done.returncode, done.stdout, done.stderr
-
-
-def expect(condition, what):
-    global failures
-    if not condition:
-        failures += 1
-        print("not so: " + what)
+    return cli_check.run(VINVERTER, command, *args, timeout=100, cwd=cwd)
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -115,4 +108,4 @@ with tempfile.TemporaryDirectory() as folder:
     expect(code == 2 and "case 1 passes" in err, f"nothing to shrink: {code} {err}")
     code, text, err = run("schema")
     expect(code == 0 and '"vinverter campaign"' in text and "schema.json\"" not in text.replace("draft-07/schema", ""), "schema is in one piece")
-sys.exit(1 if failures else 0)
+cli_check.finish()

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/sim/campaign/support.hpp"
+#include "tests/support/alias_bomb.hpp"
 
 namespace vinv::campaign {
 namespace {
@@ -114,6 +115,8 @@ TEST(CampaignFile, MistakesOfAnInlineScenarioHaveTheirPlaceInTheFile) {
             std::string::npos);
   EXPECT_NE(mistakes("# T.\nseed: 1\n").find("\"variations\" is missing"), std::string::npos);
   EXPECT_NE(mistakes("# T.\na: [\n").find("this is not YAML"), std::string::npos);
+  EXPECT_EQ(mistakes("# T.\n" + vinv::test::alias_bomb()),
+            "test.yaml:1:1: the file is nested too deep, or its aliases make it too large.");
 }
 
 TEST(CampaignFile, DocumentsAreWrittenAsTheyWereRead) {

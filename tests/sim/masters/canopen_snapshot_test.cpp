@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "sim/base/random.hpp"
 #include "sim/masters/canopen_station.hpp"
 #include "sim/transports/can/can_bus.hpp"
+#include "tests/support/snapshot_checks.hpp"
 
 namespace vinv::masters {
 namespace {
@@ -179,34 +181,23 @@ void story(Bench& b, std::uint64_t seed) {
 class CanopenSnapshot : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(CanopenSnapshot, AMasterInterruptedAfterEachStepGoesOnAsOneThatIsNot) {
-  Bench one;
-  auto relayed = std::make_unique<Bench>();
-  Bench used;
-  for (int i = 0; i < 1500; ++i) {
-    story(one, GetParam());
-    story(*relayed, GetParam());
-    ASSERT_EQ(relayed->log, one.log) << "step " << i;
-    const Bytes saved = save_snapshot(one);
-    ASSERT_EQ(save_snapshot(*relayed), saved) << "step " << i;
-    auto fresh = std::make_unique<Bench>();
-    const auto loaded = load_snapshot(*fresh, saved);
-    ASSERT_TRUE(loaded) << loaded.error();
-    fresh->log = one.log;
-    relayed = std::move(fresh);
-    // One that has been doing something else.
-    story(used, GetParam() + 7);
-    ASSERT_TRUE(load_snapshot(used, saved));
-    ASSERT_EQ(save_snapshot(used), saved);
-  }
+  std::string log;
+  std::string relayed_log;
+  expect_the_same_after_each_step(
+      1500, GetParam(), [] { return std::make_unique<Bench>(); }, story, [&](Bench& one, Bench& relayed) {
+        log += std::exchange(one.log, {});
+        relayed_log += std::exchange(relayed.log, {});
+        ASSERT_EQ(relayed_log, log);
+      });
   for (const char* sign : {"done", "no SDO answer", "SDO abort 06020000", "EMCY"})
-    EXPECT_NE(one.log.find(sign), std::string::npos) << sign;
+    EXPECT_NE(log.find(sign), std::string::npos) << sign;
   for (const auto kind :
        {CanopenEvent::Kind::kBootUp, CanopenEvent::Kind::kState, CanopenEvent::Kind::kGuardToggle,
         CanopenEvent::Kind::kGuardLost, CanopenEvent::Kind::kGuardBack, CanopenEvent::Kind::kHeartbeatLost,
         CanopenEvent::Kind::kEmergency, CanopenEvent::Kind::kSdo, CanopenEvent::Kind::kPdo})
-    EXPECT_NE(one.log.find("event " + std::to_string(static_cast<int>(kind)) + " 5"), std::string::npos)
+    EXPECT_NE(log.find("event " + std::to_string(static_cast<int>(kind)) + " 5"), std::string::npos)
         << static_cast<int>(kind);
-  EXPECT_GT(std::count(one.log.begin(), one.log.end(), '>'), 1000);
+  EXPECT_GT(std::count(log.begin(), log.end(), '>'), 1000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, CanopenSnapshot, testing::Range<std::uint64_t>(1, 4));
@@ -214,25 +205,9 @@ INSTANTIATE_TEST_SUITE_P(Seeds, CanopenSnapshot, testing::Range<std::uint64_t>(1
 TEST(CanopenSnapshots, ForgedOnesLeaveTheMasterAsItWas) {
   Bench one;
   for (int i = 0; i < 60; ++i) story(one, 9);
-  const Bytes before = save_snapshot(one);
   Bench other;
   for (int i = 0; i < 90; ++i) story(other, 2);
-  const Bytes good = save_snapshot(other);
-  Random random(5);
-  int refused = 0;
-  for (int i = 0; i < 500; ++i) {
-    Bytes bad = good;
-    bad[kSnapshotHeader + random.below(bad.size() - kSnapshotHeader)] ^=
-        static_cast<std::uint8_t>(1u << random.below(8));
-    seal_snapshot(bad);
-    if (load_snapshot(one, bad)) {
-      ASSERT_TRUE(load_snapshot(one, before));
-    } else {
-      ++refused;
-    }
-    ASSERT_EQ(save_snapshot(one), before);
-  }
-  EXPECT_GT(refused, 50);
+  expect_forged_leave_no_trace(one, save_snapshot(other), 500, 5, 50, [](Bench&) {});
 }
 
 }  // namespace

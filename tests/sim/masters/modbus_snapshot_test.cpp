@@ -7,10 +7,12 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "option_boards/modbus/crc16.hpp"
 #include "sim/base/random.hpp"
 #include "sim/masters/modbus_station.hpp"
+#include "tests/support/snapshot_checks.hpp"
 
 namespace vinv::masters {
 namespace {
@@ -211,29 +213,18 @@ struct Case {
 class ModbusSnapshot : public testing::TestWithParam<Case> {};
 
 TEST_P(ModbusSnapshot, AMasterInterruptedAfterEachStepGoesOnAsOneThatIsNot) {
-  Bench one(GetParam().tcp);
-  auto relayed = std::make_unique<Bench>(GetParam().tcp);
-  Bench used(GetParam().tcp);
-  for (int i = 0; i < 2500; ++i) {
-    story(one, GetParam().seed);
-    story(*relayed, GetParam().seed);
-    ASSERT_EQ(relayed->log, one.log) << "step " << i;
-    const Bytes saved = save_snapshot(one);
-    ASSERT_EQ(save_snapshot(*relayed), saved) << "step " << i;
-    auto fresh = std::make_unique<Bench>(GetParam().tcp);
-    const auto loaded = load_snapshot(*fresh, saved);
-    ASSERT_TRUE(loaded) << loaded.error();
-    fresh->log = one.log;
-    relayed = std::move(fresh);
-    // One that has been doing something else.
-    story(used, GetParam().seed + 7);
-    ASSERT_TRUE(load_snapshot(used, saved));
-    ASSERT_EQ(save_snapshot(used), saved);
-  }
+  std::string log;
+  std::string relayed_log;
+  expect_the_same_after_each_step(
+      2500, GetParam().seed, [] { return std::make_unique<Bench>(GetParam().tcp); }, story, [&](Bench& one, Bench& relayed) {
+        log += std::exchange(one.log, {});
+        relayed_log += std::exchange(relayed.log, {});
+        ASSERT_EQ(relayed_log, log);
+      });
   for (const char* sign : {"done", "no answer", "exception 05", "result", "frame"})
-    EXPECT_NE(one.log.find(sign), std::string::npos) << sign;
-  EXPECT_NE(one.log.find(GetParam().tcp ? "no connection" : "damaged answer"), std::string::npos);
-  EXPECT_GT(std::count(one.log.begin(), one.log.end(), '>'), 300);
+    EXPECT_NE(log.find(sign), std::string::npos) << sign;
+  EXPECT_NE(log.find(GetParam().tcp ? "no connection" : "damaged answer"), std::string::npos);
+  EXPECT_GT(std::count(log.begin(), log.end(), '>'), 300);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lines, ModbusSnapshot,
@@ -242,25 +233,9 @@ INSTANTIATE_TEST_SUITE_P(Lines, ModbusSnapshot,
 TEST(ModbusSnapshots, ForgedOnesLeaveTheMasterAsItWas) {
   Bench one(true);
   for (int i = 0; i < 60; ++i) story(one, 9);
-  const Bytes before = save_snapshot(one);
   Bench other(true);
   for (int i = 0; i < 90; ++i) story(other, 2);
-  const Bytes good = save_snapshot(other);
-  Random random(5);
-  int refused = 0;
-  for (int i = 0; i < 500; ++i) {
-    Bytes bad = good;
-    bad[kSnapshotHeader + random.below(bad.size() - kSnapshotHeader)] ^=
-        static_cast<std::uint8_t>(1u << random.below(8));
-    seal_snapshot(bad);
-    if (load_snapshot(one, bad)) {
-      ASSERT_TRUE(load_snapshot(one, before));
-    } else {
-      ++refused;
-    }
-    ASSERT_EQ(save_snapshot(one), before);
-  }
-  EXPECT_GT(refused, 60);
+  expect_forged_leave_no_trace(one, save_snapshot(other), 500, 5, 60, [](Bench&) {});
 }
 
 TEST(ModbusSnapshots, ABoardThatTheProgramDoesNotKnowIsRefusedByName) {

@@ -4,12 +4,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "sim/rig/folders.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace vinv::rig {
 namespace {
@@ -18,19 +18,14 @@ namespace fs = std::filesystem;
 
 class EepromStoreTest : public testing::Test {
  protected:
-  EepromStoreTest() {
-    std::string pattern = (fs::temp_directory_path() / "vinv-eeprom-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  ~EepromStoreTest() override { fs::remove_all(folder_); }
-
   static std::string read(const std::string& path) {
     std::ifstream in(path);
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();
   }
-  std::string folder_;
+  const TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
 };
 
 TEST_F(EepromStoreTest, ADriveWithoutAFileHasNoEeprom) {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "sim/rig/live_plant.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace vinv::rig {
 namespace {
@@ -79,12 +80,9 @@ class Client {
 class LiveCanTest : public testing::Test {
  protected:
   LiveCanTest() {
-    std::string pattern = (fs::temp_directory_path() / "vinv-can-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
     options_.state_folder = folder_ + "/state";
     options_.runtime_folder = folder_ + "/run";
   }
-  ~LiveCanTest() override { fs::remove_all(folder_); }
 
   void serve(const std::string& text, const std::function<void(LivePlant&, const Json& endpoint)>& client) {
     transports::EventLoop loop;
@@ -119,7 +117,8 @@ class LiveCanTest : public testing::Test {
            "drives:\n  - board: { modbus_tcp: none, modbus_rtu: none, network: line }\n";
   }
 
-  std::string folder_;
+  const TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
   LiveOptions options_;
 };
 

@@ -13,6 +13,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace vinv::rig {
 namespace {
 
@@ -63,12 +65,9 @@ std::string ask_control(const std::string& path, const std::string& request) {
 class LivePlantTest : public testing::Test {
  protected:
   LivePlantTest() {
-    std::string pattern = (fs::temp_directory_path() / "vinv-live-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
     options_.state_folder = folder_ + "/state";
     options_.runtime_folder = folder_ + "/run";
   }
-  ~LivePlantTest() override { fs::remove_all(folder_); }
 
   // Runs a plant until it is ready, then the client on its own thread, then stops.
   void serve(const std::string& text, const std::function<void(LivePlant&, const Json& ready)>& client) {
@@ -88,7 +87,8 @@ class LivePlantTest : public testing::Test {
     EXPECT_EQ(live.store_eeproms(), "");
   }
 
-  std::string folder_;
+  const TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
   LiveOptions options_;
   std::vector<std::string> notices_;
 };

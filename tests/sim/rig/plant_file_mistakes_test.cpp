@@ -5,6 +5,7 @@
 
 #include "sim/rig/plant_file.hpp"
 #include "tests/sim/rig/fakes.hpp"
+#include "tests/support/alias_bomb.hpp"
 
 namespace vinv::rig {
 namespace {
@@ -262,6 +263,16 @@ TEST(PlantFileMistake, AHugeFileIsRefusedUnread) {
   test::Journal journal;
   const std::string text(kMaxPlantFileBytes + 1, '#');
   EXPECT_THROW(parse_plant_file(text, "p.yaml", test::fake_catalogue(journal)), PlantFileError);
+}
+
+TEST(PlantFileMistake, AliasesThatMakeAFileHugeAreRefusedUnread) {
+  test::Journal journal;
+  try {
+    parse_plant_file(vinv::test::alias_bomb(), "p.yaml", test::fake_catalogue(journal));
+    FAIL();
+  } catch (const PlantFileError& e) {
+    EXPECT_STREQ(e.what(), "p.yaml:1:1: the file is nested too deep, or its aliases make it too large.");
+  }
 }
 
 }  // namespace

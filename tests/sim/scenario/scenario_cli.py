@@ -1,26 +1,19 @@
 """vinverter scenario from a shell: exit codes, where output goes, reports that cannot be written."""
 import os
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
 VINVERTER, ROOT = sys.argv[1:3]
+sys.path.insert(0, ROOT + "/tests")
+import cli_check  # noqa: E402 (its folder is an argument)
+from cli_check import expect  # noqa: E402
 GOOD = ROOT + "/scenarios/fr-e500/multi_speed.yaml"
 BROKEN = ROOT + "/tests/sim/scenario/broken/unknown_word.yaml"
-failures = 0
 
 
 def run(*args, cwd=ROOT):
-    done = subprocess.run([VINVERTER, "scenario", *args], capture_output=True, text=True, timeout=60, cwd=cwd)
-    return done.returncode, done.stdout, done.stderr
-
-
-def expect(condition, what):
-    global failures
-    if not condition:
-        failures += 1
-        print("not so: " + what)
+    return cli_check.run(VINVERTER, "scenario", *args, timeout=60, cwd=cwd)
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -108,4 +101,4 @@ with tempfile.TemporaryDirectory() as folder:
     expect(code == 2 and "no variable" in out, f"an unknown variable is told: {code} {out}")
     code, out, err = run("run", "--live", live)
     expect(code == 0 and "passed" in out and "Modbus/TCP" in err, f"a live run passes: {code} {out} {err}")
-sys.exit(1 if failures else 0)
+cli_check.finish()

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/random.hpp"
+#include "tests/support/snapshot_checks.hpp"
 
 namespace vinv::transports {
 namespace {
@@ -100,28 +101,14 @@ void story(Bench& b, std::uint64_t seed) {
 class MemoryNetSnapshot : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(MemoryNetSnapshot, LinesInterruptedAfterEachStepGoOnAsThoseThatAreNot) {
-  Bench one;
-  auto relayed = std::make_unique<Bench>();
-  Bench used;
-  std::size_t under_way = 0;
-  for (int i = 0; i < 1500; ++i) {
-    story(one, GetParam());
-    story(*relayed, GetParam());
-    const Bytes saved = save_snapshot(one);
-    ASSERT_EQ(save_snapshot(*relayed), saved) << "step " << i;
-    under_way += one.scheduler.waiting();
-    auto fresh = std::make_unique<Bench>();
-    const auto loaded = load_snapshot(*fresh, saved);
-    ASSERT_TRUE(loaded) << loaded.error();
-    ASSERT_EQ(save_snapshot(*fresh), saved);
-    relayed = std::move(fresh);
-    // One that has lines of its own, with something on them.
-    story(used, GetParam() + 100);
-    ASSERT_TRUE(load_snapshot(used, saved));
-    ASSERT_EQ(save_snapshot(used), saved);
-  }
   std::size_t heard = 0;
-  for (const auto& o : one.owners) heard += o.heard.size();
+  std::size_t under_way = 0;
+  expect_the_same_after_each_step(
+      1500, GetParam(), [] { return std::make_unique<Bench>(); }, story, [&](const Bench& one, const Bench&) {
+        under_way += one.scheduler.waiting();
+        heard = 0;
+        for (const auto& o : one.owners) heard += o.heard.size();
+      });
   EXPECT_GT(heard, 2000u);
   EXPECT_GT(under_way, 200u);
 }
@@ -131,26 +118,9 @@ INSTANTIATE_TEST_SUITE_P(Seeds, MemoryNetSnapshot, testing::Range<std::uint64_t>
 TEST(MemoryNet, AForgedSnapshotLeavesTheLinesAsTheyWere) {
   Bench one;
   for (int i = 0; i < 60; ++i) story(one, 9);
-  const Bytes before = save_snapshot(one);
   Bench other;
   for (int i = 0; i < 80; ++i) story(other, 2);
-  const Bytes good = save_snapshot(other);
-  Random random(5);
-  int refused = 0;
-  for (int i = 0; i < 500; ++i) {
-    Bytes bad = good;
-    bad[kSnapshotHeader + random.below(bad.size() - kSnapshotHeader)] ^=
-        static_cast<std::uint8_t>(1u << random.below(8));
-    seal_snapshot(bad);
-    if (load_snapshot(one, bad)) {
-      story(one, 1);
-      ASSERT_TRUE(load_snapshot(one, before));
-    } else {
-      ++refused;
-    }
-    ASSERT_EQ(save_snapshot(one), before);
-  }
-  EXPECT_GT(refused, 50);
+  expect_forged_leave_no_trace(one, save_snapshot(other), 500, 5, 50, [](Bench& b) { story(b, 1); });
 }
 
 TEST(MemoryNet, AStreamWithoutOwnerAfterTheLoadIsARefusal) {

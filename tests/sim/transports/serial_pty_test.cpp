@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/sim/transports/loop_thread.hpp"
-#include "tests/sim/transports/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/sim/transports/tty_client.hpp"
 
 namespace vinv::transports {

@@ -8,7 +8,7 @@
 #include "sim/transports/unix_socket_listener.hpp"
 #include "tests/sim/transports/blocking_socket.hpp"
 #include "tests/sim/transports/loop_thread.hpp"
-#include "tests/sim/transports/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace vinv::transports {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <sstream>
 
 #include "tests/sim/scenario/report/sample_run.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace vinv::scenario {
 namespace {
@@ -22,12 +22,6 @@ using ::testing::Not;
 
 class ReportFolderTest : public ::testing::Test {
  protected:
-  ReportFolderTest() {
-    std::string name = (fs::temp_directory_path() / "report-XXXXXX").string();
-    if (::mkdtemp(name.data()) != nullptr) root_ = name;
-  }
-  ~ReportFolderTest() override { fs::remove_all(root_); }
-
   std::string folder(const std::string& name) const { return root_ + "/" + name; }
   static std::map<std::string, std::string> content(const std::string& path) {
     std::map<std::string, std::string> files;
@@ -53,7 +47,8 @@ class ReportFolderTest : public ::testing::Test {
     return "";
   }
 
-  std::string root_;
+  const TemporaryFolder temporary_;
+  const std::string root_ = temporary_.path();
 };
 
 TEST_F(ReportFolderTest, ARunWithWiresHasAllFiles) {

@@ -54,6 +54,11 @@ struct BusBench {
   Instant now() const { return scheduler.now(); }
   void run_to_us(std::int64_t after_start) { scheduler.run_until(start + std::chrono::microseconds(after_start)); }
   CanBusStats stats() const { return bus->stats(scheduler.now()); }
+  friend void archive(Archive& a, BusBench& bench) {
+    a.io(bench.scheduler);
+    a.io(*bench.bus);
+    bench.scheduler.archive_waiting(a);
+  }
 
   const Instant start = instant_from_ns(1'000'000'000);
   kernel::Scheduler scheduler;

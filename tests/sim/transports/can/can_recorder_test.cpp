@@ -11,7 +11,7 @@
 
 #include "sim/transports/can/can_bridge.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
-#include "tests/sim/transports/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace vinv::transports {
 namespace {

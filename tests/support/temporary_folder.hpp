@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace vinv::transports {
+namespace vinv {
 
 class TemporaryFolder {
  public:
@@ -18,10 +18,11 @@ class TemporaryFolder {
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string path() const { return path_.string(); }
   std::string operator/(const std::string& name) const { return (path_ / name).string(); }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace vinv::transports
+}  // namespace vinv
