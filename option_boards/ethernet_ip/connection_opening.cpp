@@ -401,7 +401,8 @@ void ConnectionManager::accept(Instant now, const ForwardOpen& open, Connection&
   c.expires_at = now + std::max<Duration>(timeout, kLeastFirstTimeout);
   wake_by(c.expires_at);
   answer_open(open, c.o2t_id, c.t2o_id, c.t2o_api, reply);
-  if (is_io) device_.io().on_connection(now, {c.role, c.consumed_point, c.produced_point}, cip::IoEvent::kOpened);
+  if (!is_io) return device_.on_explicit_connection(now, cip::IoEvent::kOpened);
+  device_.io().on_connection(now, {c.role, c.consumed_point, c.produced_point}, cip::IoEvent::kOpened);
 }
 
 }  // namespace vinv::ethernet_ip
