@@ -22,6 +22,8 @@ class Device {
   // Attribute 5 of the Identity object, and the same device's State.
   virtual std::uint16_t identity_status() const = 0;
   virtual IdentityState identity_state() const = 0;
+  // A connection for explicit messages (class 3). I/O connections are told to io().
+  virtual void on_explicit_connection(Instant /*now*/, IoEvent /*event*/) {}
 };
 
 }  // namespace vinv::cip

@@ -55,7 +55,7 @@ enum class GeneralStatus : std::uint8_t {
 VINV_ENUM_RANGE(GeneralStatus, kSuccess, kAttributeNotGettable);
 
 struct Status {
-  static constexpr std::size_t kMaxExtended = 3;
+  static constexpr std::size_t kMaxExtended = 6;  // of Forward_Open's 0x0112
 
   GeneralStatus general = GeneralStatus::kSuccess;
   std::uint8_t extended_count = 0;

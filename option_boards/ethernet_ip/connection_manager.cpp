@@ -191,7 +191,7 @@ void ConnectionManager::end(Instant now, Connection& c, cip::IoEvent event) {
   c = {};
   if (gone.transport == TransportClass::kClass3) {
     if (explicit_closed_) explicit_closed_(slot_of(c));
-    return;
+    return device_.on_explicit_connection(now, event);
   }
   Producer& producer = state_.producers[gone.producer];
   if (--producer.users == 0) producer = {};

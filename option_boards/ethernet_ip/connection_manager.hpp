@@ -132,7 +132,7 @@ class ConnectionManager : public cip::Object {
   Refusal check_owner(const Connection& connection) const;
   Refusal check_sizes(const ForwardOpen& open, Connection& connection, RealTimeFormat& t2o_format) const;
   Refusal check_configuration(const ConnectionPath& path, const Connection& connection) const;
-  Refusal check_join(const Producer& shared, const Producer& wanted) const;
+  Refusal check_join(const Producer& shared, const Producer& wanted, Duration o2t_rpi) const;
   void accept(Instant now, const ForwardOpen& open, Connection&& connection, cip::Reply& reply);
   std::size_t find_multicast(std::uint32_t point) const;
   std::size_t new_producer();

@@ -34,6 +34,33 @@ std::uint32_t microseconds(Duration d) {
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(d).count());
 }
 
+// How a direction's interval is judged, in 0x0112 (Vol 1, table 3-5.33).
+enum class RpiJudgement : std::uint8_t { kAcceptable = 0, kLeast = 2, kMost = 3 };
+struct JudgedRpi {
+  RpiJudgement judgement = RpiJudgement::kAcceptable;
+  Duration rpi{};  // the one asked for, or the nearest that is acceptable
+};
+JudgedRpi judge(Duration asked, Duration least, Duration most) {
+  if (asked < least) return {RpiJudgement::kLeast, least};
+  if (asked > most) return {RpiJudgement::kMost, most};
+  return {RpiJudgement::kAcceptable, asked};
+}
+
+// Empty: both are acceptable. Otherwise two bytes with the judgements of O->T and T->O, then the intervals in us.
+std::optional<cip::Status> refusal_of(const JudgedRpi& o2t, const JudgedRpi& t2o) {
+  if (o2t.judgement == RpiJudgement::kAcceptable && t2o.judgement == RpiJudgement::kAcceptable) return std::nullopt;
+  cip::Status status = refusal(ConnectionStatus::kRpiNotAcceptable);
+  const auto append = [&](std::uint32_t word) {
+    status.extended[status.extended_count++] = static_cast<std::uint16_t>(word);
+  };
+  append(static_cast<std::uint32_t>(o2t.judgement) | static_cast<std::uint32_t>(t2o.judgement) << 8);
+  for (const Duration rpi : {o2t.rpi, t2o.rpi}) {
+    append(microseconds(rpi) & 0xffff);
+    append(microseconds(rpi) >> 16);
+  }
+  return status;
+}
+
 // What the answer to a refused open has (3-5.5.2): the triad and how much of the path was left.
 void refuse_open(const ForwardOpen& open, const cip::Status& why, cip::Reply& reply) {
   reply.refuse(why);
@@ -243,7 +270,8 @@ ConnectionManager::Refusal ConnectionManager::check_sizes(const ForwardOpen& ope
   return std::nullopt;
 }
 
-ConnectionManager::Refusal ConnectionManager::check_join(const Producer& shared, const Producer& wanted) const {
+ConnectionManager::Refusal ConnectionManager::check_join(const Producer& shared, const Producer& wanted,
+                                                         Duration o2t_rpi) const {
   if (shared.transport != wanted.transport) return refusal(ConnectionStatus::kMismatchedTransportClass);
   if (shared.trigger != wanted.trigger) return refusal(ConnectionStatus::kMismatchedT2oTrigger);
   if (shared.parameters.size != wanted.parameters.size || shared.format != wanted.format)
@@ -255,8 +283,7 @@ ConnectionManager::Refusal ConnectionManager::check_join(const Producer& shared,
   if (shared.inhibit_time != wanted.inhibit_time && shared.trigger != Trigger::kCyclic)
     return refusal(ConnectionStatus::kMismatchedT2oInhibitTime);
   // It gets what is produced already; not more often.
-  if (wanted.api < shared.api) return refusal(ConnectionStatus::kRpiNotSupported);
-  return std::nullopt;
+  return refusal_of({RpiJudgement::kAcceptable, o2t_rpi}, judge(wanted.api, shared.api, options_.longest_rpi));
 }
 
 ConnectionManager::Refusal ConnectionManager::open_io(Instant now, const ForwardOpen& open, const ConnectionPath& path,
@@ -267,8 +294,8 @@ ConnectionManager::Refusal ConnectionManager::open_io(Instant now, const Forward
   if (const auto refused = check_points(open, path, c)) return refused;
   RealTimeFormat t2o_format{};
   if (const auto refused = check_sizes(open, c, t2o_format)) return refused;
-  for (const Duration rpi : {open.o2t_rpi, open.t2o_rpi})
-    if (rpi < options_.shortest_rpi || rpi > options_.longest_rpi) return refusal(ConnectionStatus::kRpiNotSupported);
+  const auto judged = [&](Duration rpi) { return judge(rpi, options_.shortest_rpi, options_.longest_rpi); };
+  if (const auto refused = refusal_of(judged(open.o2t_rpi), judged(open.t2o_rpi))) return refused;
   if (path.inhibit_time && *path.inhibit_time > open.t2o_rpi) return refusal(ConnectionStatus::kRpiBelowInhibitTime);
   if (const auto refused = check_owner(c)) return refused;
 
@@ -286,7 +313,7 @@ ConnectionManager::Refusal ConnectionManager::open_io(Instant now, const Forward
   wanted.multicast = open.t2o.type == ConnectionType::kMulticast;
   const std::size_t shared = wanted.multicast ? find_multicast(c.produced_point) : kNone;
   if (shared != kNone)
-    if (const auto refused = check_join(state_.producers[shared], wanted)) return refused;
+    if (const auto refused = check_join(state_.producers[shared], wanted, open.o2t_rpi)) return refused;
   if (io_connections() >= options_.io_connections) return refusal(ConnectionStatus::kOutOfConnections);
   if (wanted.multicast && shared == kNone && free_group() == kMulticastGroups)
     return refusal(ConnectionStatus::kTargetOutOfConnections);
@@ -374,7 +401,8 @@ void ConnectionManager::accept(Instant now, const ForwardOpen& open, Connection&
   c.expires_at = now + std::max<Duration>(timeout, kLeastFirstTimeout);
   wake_by(c.expires_at);
   answer_open(open, c.o2t_id, c.t2o_id, c.t2o_api, reply);
-  if (is_io) device_.io().on_connection(now, {c.role, c.consumed_point, c.produced_point}, cip::IoEvent::kOpened);
+  if (!is_io) return device_.on_explicit_connection(now, cip::IoEvent::kOpened);
+  device_.io().on_connection(now, {c.role, c.consumed_point, c.produced_point}, cip::IoEvent::kOpened);
 }
 
 }  // namespace vinv::ethernet_ip

@@ -11,6 +11,7 @@ enum class ConnectionStatus : std::uint16_t {
   kConnectionNotFound = 0x0107,
   kInvalidConnectionSize = 0x0109,  // with the largest one
   kRpiNotSupported = 0x0111,
+  kRpiNotAcceptable = 0x0112,  // with what is, for both directions
   kOutOfConnections = 0x0113,
   kVendorOrProductCodeMismatch = 0x0114,
   kDeviceTypeMismatch = 0x0115,

@@ -28,6 +28,7 @@ void CipUnit::restart() {
   const Flash flash = state_.flash;
   const Instant now = state_.now;
   const bool link_down = state_.link_down;
+  const bool address_conflict = state_.address_conflict;
   const bool was_started = state_.started;
   DriveLink link = state_.link;
   link.clear();
@@ -36,6 +37,7 @@ void CipUnit::restart() {
   state_.flash = flash;
   state_.now = now;
   state_.link_down = link_down;
+  state_.address_conflict = address_conflict;
   state_.started = was_started;
   state_.restarted = true;
   state_.supply = Supply::kStarting;
@@ -67,6 +69,8 @@ void CipUnit::start() {
   state_.network = settings_at_start(state_.startup, state_.flash, config_.lease);
   state_.assemblies = assemblies_of(state_.startup.pr346);
   state_.control_from_net_at_start = control_from_net();
+  look_for_link();
+  look_for_duplicate();
 }
 
 void CipUnit::handle_drive_tick(Instant now) {
@@ -82,7 +86,10 @@ void CipUnit::handle_drive_tick(Instant now) {
     state_.restart_due = true;
   }
   state_.was_ready = ready;
-  if (!network_mode()) state_.terminals = {};
+  if (!network_mode()) {
+    state_.terminals = state_.wanted = {};
+    state_.run = {};
+  }
 }
 
 void CipUnit::handle_timeout(Instant now) {
@@ -96,8 +103,12 @@ void CipUnit::advance(Instant now) {
 
 void CipUnit::on_finished(const Finished& finished) {
   const bool done = finished.outcome.has_value();
-  if (done && finished.request.kind == port::WriteRequest::Kind::kCommand) {
-    state_.terminals = finished.request.terminals;
+  if (finished.request.kind == port::WriteRequest::Kind::kCommand) {
+    if (done) {
+      state_.terminals = finished.request.terminals;
+    } else {
+      want(state_.terminals, cip::run_signals_of(state_.terminals));
+    }
   }
   if (!finished.job) return;
   if (done && finished.job->effect == Effect::kFlashClear) state_.flash = {};
@@ -108,13 +119,6 @@ void CipUnit::on_finished(const Finished& finished) {
     reply.refuse(cip::GeneralStatus::kStoreOperationFailure);
   router_.complete(finished.job->ticket, std::move(reply));
 }
-
-void CipUnit::set_link(Instant, bool up) {
-  state_.link_down = !up;
-  report_line_error();
-}
-
-void CipUnit::report_line_error() { drive_.set_communication_lost(state_.owner_timed_out || state_.link_down); }
 
 std::uint32_t CipUnit::parameter_or(std::uint16_t number, std::uint32_t fallback) const {
   const auto value = drive_.read_parameter({number, 0});
@@ -146,12 +150,31 @@ std::uint16_t CipUnit::speed_actual() const {
 
 // 4.6: not while a line error lasts; with Pr.349 = 1 in NET operation only.
 bool CipUnit::fault_reset_allowed() const {
-  return !state_.owner_timed_out && !state_.link_down && (network_mode() || parameter_or(349, 0) != 1);
+  return !line_error() && (network_mode() || parameter_or(349, 0) != 1);
+}
+
+void CipUnit::want(port::NetTerminals terminals, cip::RunSignals run) {
+  state_.wanted = terminals;
+  state_.run = run;
+}
+
+port::NetTerminals CipUnit::with_run(cip::RunSignals run) {
+  port::NetTerminals terminals = state_.wanted;
+  const cip::RunSignals start = cip::run_signals(kRunStyle, state_.run, run, cip::run_signals_of(terminals));
+  terminals.set(port::NetTerminal::kStf, start.forward);
+  terminals.set(port::NetTerminal::kStr, start.reverse);
+  want(terminals, run);
+  return terminals;
+}
+
+std::optional<cip::GeneralStatus> CipUnit::refuses_explicit(Instant now) const {
+  if (state_.link.explicit_busy(now)) return cip::GeneralStatus::kObjectStateConflict;
+  if (!online()) return cip::GeneralStatus::kDeviceStateConflict;
+  return std::nullopt;
 }
 
 cip::SetResult CipUnit::post(Instant now, ExplicitJob job, cip::Ticket ticket) {
-  if (state_.link.explicit_busy(now)) return Unexpected(cip::Status(cip::GeneralStatus::kObjectStateConflict));
-  if (!online()) return Unexpected(cip::Status(cip::GeneralStatus::kDeviceStateConflict));
+  if (const auto refused = refuses_explicit(now)) return Unexpected(cip::Status(*refused));
   job.ticket = ticket;
   state_.link.start(now, job);
   advance(now);
@@ -162,20 +185,6 @@ cip::SetResult CipUnit::post(Instant now, const port::WriteRequest& request, cip
   ExplicitJob job;
   job.add(request);
   return post(now, job, ticket);
-}
-
-// 7.1.2 *2 with the meaning of CIP for bit 0. Deviation: the manual prints 0 for allocated.
-std::uint16_t CipUnit::identity_status() const {
-  constexpr std::uint16_t kOwned = 1u << 0, kMinorFault = 1u << 8, kBlinksRed = 1u << 10;
-  std::uint16_t status = 0;
-  if (state_.owners > 0) status |= kOwned;
-  if (drive_.status().alarm) status |= kMinorFault | kBlinksRed;
-  return status;
-}
-
-cip::IdentityState CipUnit::identity_state() const {
-  if (!online()) return cip::IdentityState::kSelfTesting;
-  return state_.network.ip.address == 0 ? cip::IdentityState::kStandby : cip::IdentityState::kOperational;
 }
 
 }  // namespace vinv::boards::fr_a7ne

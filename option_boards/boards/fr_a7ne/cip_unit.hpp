@@ -14,6 +14,7 @@
 
 #include "motor_model/port/drive_port.hpp"
 #include "option_boards/boards/fr_a7ne/drive_link.hpp"
+#include "option_boards/boards/fr_a7ne/leds.hpp"
 #include "option_boards/boards/fr_a7ne/network_settings.hpp"
 #include "option_boards/cip/device.hpp"
 #include "option_boards/cip/profile/control_supervisor.hpp"
@@ -29,6 +30,13 @@ struct CipUnitConfig {
   IpConfiguration lease;     // what a DHCP server would give
   LineSetting line_partner;  // the other end of the cable
   Timing timing = Timing::real();
+};
+
+// Connections of one kind: an I/O role, or explicit.
+struct ConnectionTally {
+  std::uint32_t open = 0;
+  bool timed_out = false;  // until one is opened again (1.2)
+  VINV_ARCHIVE(ConnectionTally, open, timed_out);
 };
 
 // Instance 126 with WriteParam: an explicit write that the board makes by itself.
@@ -52,15 +60,24 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   void handle_drive_tick(Instant now);
   void handle_timeout(Instant now);
   std::optional<Instant> next_deadline() const { return state_.link.next_deadline(); }
-  // True once after the option has restarted (supply, or an inverter reset without Pr.540 bit 11): its connections and
-  // sessions are gone.
+  // True once after the option has restarted (supply, or an inverter reset without Pr.540 bit 11) or has left the
+  // network: its connections and sessions are gone.
   bool take_restart();
   // Supplied and started; the network sees nothing of it before.
   bool online() const { return state_.supply == Supply::kOn; }
   const NetworkSettings& network() const { return state_.network; }
   LineState line() const { return line_state(state_.network.line, config_.line_partner); }
-  // Line errors other than a time-out of the owner: no link (4.5.1).
+  // The cable is plugged and the other end is alive. A link that was there and is lost is a line error (4.5.1); one
+  // that has not been there since the start is not (chapter 8: the panel shows 0.00, the LED is off).
   void set_link(Instant now, bool up);
+  // Somebody else has the option's address. It then leaves the network until the next start (1.2, chapter 8).
+  void set_address_conflict(Instant now, bool conflict);
+  bool has_link() const { return !state_.link_down && line().link; }
+  bool duplicate_address() const { return state_.duplicate_address; }
+  // The network can reach it: started, with an address of its own and a link.
+  bool on_network() const;
+  // All that the unit knows of it: not a fault of the option itself, and not traffic.
+  LedSituation led_situation() const;
 
   // cip::Device
   cip::MessageRouter& router() override { return router_; }
@@ -69,6 +86,7 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   const cip::Identity& identity() const override { return identity_; }
   std::uint16_t identity_status() const override;
   cip::IdentityState identity_state() const override;
+  void on_explicit_connection(Instant now, cip::IoEvent event) override;
 
   // cip::IoPoints
   std::optional<std::size_t> consumed_size(std::uint32_t point) const override;
@@ -88,6 +106,8 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
  private:
   struct Bindings;  // what the rows of the tables are bound to
   using Image = std::array<std::uint8_t, kMostIoBytes>;
+  // Run1 and Run2 by the run/stop events of the drive profile: the manual says nothing of both at once.
+  static constexpr cip::RunStyle kRunStyle = cip::RunStyle::kEdges;
   enum class Supply : std::uint8_t { kOff, kStarting, kOn };
   friend VINV_ENUM_RANGE(Supply, kOff, kOn);
 
@@ -110,18 +130,23 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
     Flash flash;
     DriveLink link;
     port::NetTerminals terminals;  // what the network has on
+    port::NetTerminals wanted;     // the same with what is on its way to the inverter
+    cip::RunSignals run;           // Run1 and Run2 as they were written last
     cip::FaultResetEdge explicit_reset, polled_reset;
     // Polled data: as it came, as it last acted.
     Image output{}, acted{};
     bool acted_before = false, acted_idle = false;
     bool polled_control = false;                     // NetCtrl was on: the run bits are the master's
     std::optional<PolledParameter> parameter_write;  // waits for the explicit write in work
-    std::uint32_t owners = 0;
+    std::array<ConnectionTally, 4> connections{};    // by IoRole, then explicit
     bool owner_timed_out = false, link_down = false;
+    bool link_seen = false;  // since the start
+    bool address_conflict = false, duplicate_address = false;
     Instant now{};  // of the last tick
     VINV_ARCHIVE(State, supply, started, was_ready, restart_due, restarted, startup, network, assemblies,
-                 control_from_net_at_start, flash, link, terminals, explicit_reset, polled_reset, output, acted,
-                 acted_before, acted_idle, polled_control, parameter_write, owners, owner_timed_out, link_down, now);
+                 control_from_net_at_start, flash, link, terminals, wanted, run, explicit_reset, polled_reset, output,
+                 acted, acted_before, acted_idle, polled_control, parameter_write, connections, owner_timed_out,
+                 link_down, link_seen, address_conflict, duplicate_address, now);
   };
 
   void start();
@@ -129,6 +154,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   bool read_startup_parameters();
   void advance(Instant now);
   void on_finished(const Finished& finished);
+  static constexpr std::size_t kExplicit = 3;  // of connections
+  ConnectionTally& tally(cip::IoRole role) { return state_.connections[static_cast<std::size_t>(role)]; }
+  static void count(ConnectionTally& tally, cip::IoEvent event);
+  void look_for_link();
+  void look_for_duplicate();
+  bool line_error() const;
   void report_line_error();
 
   // Reads of the inverter.
@@ -139,8 +170,12 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   cip::SpeedScale speed_scale() const;
   std::uint16_t speed_actual() const;
   bool fault_reset_allowed() const;
+  // The terminals that follow when Run1 and Run2 are written; notes them as wanted.
+  port::NetTerminals with_run(cip::RunSignals run);
+  void want(port::NetTerminals terminals, cip::RunSignals run);
 
   // Explicit writes; kObjectStateConflict while one is in work.
+  std::optional<cip::GeneralStatus> refuses_explicit(Instant now) const;
   cip::SetResult post(Instant now, ExplicitJob job, cip::Ticket ticket);
   cip::SetResult post(Instant now, const port::WriteRequest& request, cip::Ticket ticket);
 

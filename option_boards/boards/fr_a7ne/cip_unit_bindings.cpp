@@ -101,16 +101,15 @@ struct CipUnit::Bindings {
 
   // --- control supervisor (7.5) ---
   // argument: 0 RUN1, 1 RUN2
-  static NetTerminal run_terminal(const Attribute& a) {
-    return a.argument() == 0 ? NetTerminal::kStf : NetTerminal::kStr;
-  }
   static Got get_run(const Unit& unit, const Attribute& a) {
-    return unit.state_.terminals.has(run_terminal(a)) ? 1 : 0;
+    return (a.argument() == 0 ? unit.state_.run.forward : unit.state_.run.reverse) ? 1 : 0;
   }
   static SetResult set_run(Unit& unit, const SetRequest& s) {
+    if (const auto refused = unit.refuses_explicit(s.now)) return refuse(*refused);
+    cip::RunSignals run = unit.state_.run;
+    (s.attribute.argument() == 0 ? run.forward : run.reverse) = s.number != 0;
     port::WriteRequest request = request_of(Kind::kCommand);
-    request.terminals = unit.state_.terminals;
-    request.terminals.set(run_terminal(s.attribute), s.number != 0);
+    request.terminals = unit.with_run(run);
     return unit.post(s.now, request, s.ticket);
   }
   // Pr.338 and 339: 0 is the network; attribute 1 is the network.
@@ -137,7 +136,7 @@ struct CipUnit::Bindings {
   static Got get_fault_reset(const Unit& unit, const Attribute&) { return unit.state_.explicit_reset.value() ? 1 : 0; }
   // *1: acts again only after a 0. Without an alarm it has no function.
   static SetResult set_fault_reset(Unit& unit, const SetRequest& s) {
-    if (unit.state_.link.explicit_busy(s.now)) return refuse(GeneralStatus::kObjectStateConflict);
+    if (const auto refused = unit.refuses_explicit(s.now)) return refuse(*refused);
     if (s.number != 0 && unit.drive_.status().alarm && !unit.fault_reset_allowed()) {
       return refuse(GeneralStatus::kObjectStateConflict);
     }
@@ -223,7 +222,7 @@ struct CipUnit::Bindings {
   static Got get_reference_from_net(const Unit& unit, const Attribute&) { return unit.reference_from_net() ? 1 : 0; }
   // 4.6: in NET operation, not while a line error lasts.
   static SetResult set_reset(Unit& unit, const SetRequest& s) {
-    if (!unit.network_mode() || unit.state_.owner_timed_out) return refuse(GeneralStatus::kObjectStateConflict);
+    if (!unit.network_mode() || unit.line_error()) return refuse(GeneralStatus::kObjectStateConflict);
     return unit.post(s.now, request_of(Kind::kResetInverter, kAtAnyTime), s.ticket);
   }
   // argument: value of kRestoreDefaults
@@ -251,9 +250,12 @@ struct CipUnit::Bindings {
     }
     return word;
   }
+  // The terminals themselves, not the profile's Run1 and Run2: both start signals at once are the inverter's matter.
   static SetResult set_run_command(Unit& unit, const SetRequest& s) {
+    if (const auto refused = unit.refuses_explicit(s.now)) return refuse(*refused);
     port::WriteRequest request = request_of(Kind::kCommand);
     for (const auto& [bit, terminal] : kCommandBits) request.terminals.set(terminal, (s.number >> bit & 1) != 0);
+    unit.want(request.terminals, cip::run_signals_of(request.terminals));
     return unit.post(s.now, request, s.ticket);
   }
   static Got get_mode(const Unit& unit, const Attribute&) {
@@ -389,7 +391,7 @@ struct CipUnit::Bindings {
     const unsigned type = request.data.empty() ? 0 : request.data[0];
     if (type > 1) return answer(GeneralStatus::kInvalidParameter);
     // 4.6: no reset from the network while a line error lasts.
-    if (unit.state_.owner_timed_out) return answer(GeneralStatus::kObjectStateConflict);
+    if (unit.line_error()) return answer(GeneralStatus::kObjectStateConflict);
     ExplicitJob job;
     if (type == 1) {
       job.add(request_of(Kind::kRestoreDefaults, 1));

@@ -80,16 +80,6 @@ cip::Status CipUnit::configure(Instant, std::uint32_t, ByteView data) {
   return data.empty() ? cip::Status() : cip::Status(cip::GeneralStatus::kTooMuchData);
 }
 
-void CipUnit::on_connection(Instant, const cip::IoConnection& connection, cip::IoEvent event) {
-  const bool opened = event == cip::IoEvent::kOpened;
-  if (connection.role != cip::IoRole::kExclusiveOwner) return;
-  state_.owners = opened ? state_.owners + 1 : std::max(state_.owners, 1u) - 1;
-  if (opened) state_.acted_before = false;  // whatever comes first is new
-  if (event == cip::IoEvent::kClosed) return;
-  state_.owner_timed_out = !opened;
-  report_line_error();
-}
-
 void CipUnit::consume(Instant now, std::uint32_t point, ByteView data, cip::RunMode mode) {
   if (!online() || point != state_.assemblies.output || data.size() != size_of_assembly(point)) return;
   std::copy(data.begin(), data.end(), state_.output.begin());
@@ -135,17 +125,19 @@ void CipUnit::poll_terminals(cip::RunMode mode) {
   if (!state_.polled_control && !had_control && !has_signals) return;
   port::WriteRequest request;
   request.kind = Kind::kCommand;
-  request.terminals = state_.terminals;
   if (state_.polled_control || had_control) {
-    const bool reverse = instance != kOutput20 && (control & kRunReverse) != 0;
-    request.terminals.set(NetTerminal::kStf, state_.polled_control && (control & kRunForward) != 0);
-    request.terminals.set(NetTerminal::kStr, state_.polled_control && reverse);
+    cip::RunSignals run;
+    run.forward = state_.polled_control && (control & kRunForward) != 0;
+    run.reverse = state_.polled_control && instance != kOutput20 && (control & kRunReverse) != 0;
+    with_run(run);
   }
+  request.terminals = state_.wanted;
   if (has_signals) {
     request.terminals.set(NetTerminal::kOutputStop, (control & kMrs) != 0);
     unsigned bit = 0;
     for (const NetTerminal signal : kSignals) request.terminals.set(signal, (state_.output[1] >> bit++ & 1) != 0);
   }
+  state_.wanted = request.terminals;
   state_.link.put(PolledTopic::kRun, request);
 }
 

@@ -44,6 +44,11 @@ struct RunSignals {
   VINV_ARCHIVE(RunSignals, forward, reverse);
 };
 
+// The start signals among terminals.
+constexpr RunSignals run_signals_of(port::NetTerminals terminals) {
+  return {terminals.has(port::NetTerminal::kStf), terminals.has(port::NetTerminal::kStr)};
+}
+
 // The start signals that follow from Run1 and Run2 going from before to now; acting: the signals as they are.
 constexpr RunSignals run_signals(RunStyle style, RunSignals before, RunSignals now, RunSignals acting) {
   if (style == RunStyle::kLevels) return now;

@@ -61,10 +61,11 @@ struct OpenWish {
   unsigned item_count = 2;
 };
 
-class AdapterBench {
+// An adapter of any device.
+class AdapterRun {
  public:
-  explicit AdapterBench(const ethernet_ip::AdapterOptions& options = {}) : adapter(device, options) {
-    adapter.start({ipv4(127, 0, 0, 5), 0, 2222});
+  explicit AdapterRun(cip::Device& of, const ethernet_ip::AdapterOptions& options = {}) : adapter(of, options) {
+    adapter.start(kAddress);
   }
 
   // Runs deadlines until then, and polls at each.
@@ -99,24 +100,32 @@ class AdapterBench {
     for (const SentPacket& p : take(channel)) out.push_back(to_hex(p.bytes));
     return out;
   }
-  std::vector<std::string> take_log() { return std::exchange(device.log, {}); }
 
-  FakeDevice device;
+  static constexpr ethernet_ip::Adapter::Address kAddress{ipv4(127, 0, 0, 5), 0, 2222};
   ethernet_ip::Adapter adapter;
   Instant now = instant_from_ns(5'000'000'000);
   std::vector<SentPacket> sent;
   std::vector<ethernet_ip::TcpId> closed;
 };
 
+struct FakeDeviceHolder {
+  FakeDevice device;
+};
+class AdapterBench : public FakeDeviceHolder, public AdapterRun {
+ public:
+  explicit AdapterBench(const ethernet_ip::AdapterOptions& options = {}) : AdapterRun(device, options) {}
+  std::vector<std::string> take_log() { return std::exchange(device.log, {}); }
+};
+
 // A master on a TCP connection of its own.
 class Master {
  public:
-  explicit Master(AdapterBench& b, std::uint32_t address = ipv4(127, 0, 0, 1)) : bench(b), peer{address, 50'000} {
+  explicit Master(AdapterRun& b, std::uint32_t address = ipv4(127, 0, 0, 1)) : bench(b), peer{address, 50'000} {
     connect();
   }
   void connect() { tcp = bench.adapter.handle_tcp_open(bench.now, peer).value_or(0); }
   // Registered on the way.
-  static Master registered(AdapterBench& b, std::uint32_t address = ipv4(127, 0, 0, 1)) {
+  static Master registered(AdapterRun& b, std::uint32_t address = ipv4(127, 0, 0, 1)) {
     Master m(b, address);
     m.register_session();
     return m;
@@ -204,7 +213,7 @@ class Master {
     return answer.size() < 44 ? answer : Bytes(answer.begin() + 44, answer.end());
   }
 
-  AdapterBench& bench;
+  AdapterRun& bench;
   Ipv4Endpoint peer;
   ethernet_ip::TcpId tcp = 0;
   std::uint32_t session = 0;

@@ -116,9 +116,9 @@ const Refused kRefused[] = {
     {"T2oNull", [](OpenWish& w) { w.t2o = 6; }, "01 0124"},
     {"T2oReservedType", [](OpenWish& w) { w.t2o = 0x6800 | 6; }, "01 0124"},
     {"RedundantOwner", [](OpenWish& w) { w.o2t |= 0x8000; }, "01 0125"},
-    {"RpiBelowOneMillisecond", [](OpenWish& w) { w.t2o_rpi_us = 999; }, "01 0111"},
-    {"O2tRpiTooLong", [](OpenWish& w) { w.o2t_rpi_us = 4'000'000'000; }, "01 0111"},
-    {"RpiZero", [](OpenWish& w) { w.o2t_rpi_us = 0; }, "01 0111"},
+    {"RpiBelowOneMillisecond", [](OpenWish& w) { w.t2o_rpi_us = 999; }, "01 0112 0200 2710 0000 03E8 0000"},
+    {"O2tRpiTooLong", [](OpenWish& w) { w.o2t_rpi_us = 4'000'000'000; }, "01 0112 0003 2000 BEBC 2710 0000"},
+    {"RpiZero", [](OpenWish& w) { w.o2t_rpi_us = 0; }, "01 0112 0002 03E8 0000 2710 0000"},
     {"InhibitTimeLongerThanRpi",
      [](OpenWish& w) {
        w.transport = 0x11;
@@ -302,7 +302,7 @@ TEST_F(ConnectionOpeningTest, AnotherKindOfMulticastIsAMismatch) {
             }),
             "01 0137");
   EXPECT_EQ(with([](OpenWish& o) { o.transport = 0x11; }), "01 0138");
-  EXPECT_EQ(with([](OpenWish& o) { o.t2o_rpi_us = 5000; }), "01 0111");
+  EXPECT_EQ(with([](OpenWish& o) { o.t2o_rpi_us = 5000; }), "01 0112 0200 2710 0000 2710 0000");
   EXPECT_EQ(with([](OpenWish& o) { o.t2o = 0x4800 | 6; }), "01 0124");  // who listens, listens to the multicast
   EXPECT_EQ(with([](OpenWish& o) { o.t2o_rpi_us = 20'000; }), "00");
 }

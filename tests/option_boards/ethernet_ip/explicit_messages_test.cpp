@@ -164,6 +164,20 @@ TEST_F(ExplicitMessagesTest, Class3TimesOutWithoutRequests) {
   EXPECT_EQ(master.connected(id, 2, from_hex(kGet)), Bytes{});
 }
 
+TEST_F(ExplicitMessagesTest, DeviceHearsOfClass3Connections) {
+  wish.o2t_rpi_us = 1'000'000;
+  master.open_id(wish);
+  EXPECT_EQ(bench.take_log(), std::vector<std::string>{"explicit opened"});
+  bench.advance(10s);
+  EXPECT_EQ(bench.take_log(), std::vector<std::string>{"explicit timed out"});
+  master.open_id(wish);
+  master.close(wish);
+  EXPECT_EQ(bench.take_log(), (std::vector<std::string>{"explicit opened", "explicit closed"}));
+  master.open_id(wish);
+  bench.adapter.handle_tcp_closed(bench.now, master.tcp);
+  EXPECT_EQ(bench.take_log(), (std::vector<std::string>{"explicit opened", "explicit closed"}));
+}
+
 TEST_F(ExplicitMessagesTest, Class3TimeoutForgetsTheAnswerUnderWay) {
   const auto id = master.open_id(wish);
   master.connected(id, 1, from_hex(kSet));

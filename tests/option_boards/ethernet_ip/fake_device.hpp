@@ -85,6 +85,10 @@ class FakeDevice : public cip::Device, public cip::IoPoints {
     log.push_back(kRoles[static_cast<int>(c.role)] + std::to_string(c.consumed_point) + "/" +
                   std::to_string(c.produced_point) + kEvents[static_cast<int>(event)]);
   }
+  void on_explicit_connection(Instant, cip::IoEvent event) override {
+    constexpr const char* kEvents[] = {"explicit opened", "explicit closed", "explicit timed out"};
+    log.push_back(kEvents[static_cast<int>(event)]);
+  }
   void set_input(std::string_view hex) {
     input = from_hex(hex);
     ++version;

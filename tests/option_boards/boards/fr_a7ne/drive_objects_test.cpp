@@ -1,6 +1,9 @@
 // Motor data, control supervisor, AC drive: values, units, commands. FR-A7NE manual, 4.7 and 7.4 to 7.6.
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "tests/option_boards/boards/fr_a7ne/unit_bench.hpp"
 
 namespace vinv::boards::fr_a7ne {
@@ -44,8 +47,7 @@ TEST_F(FrA7neDrive, Run1AndRun2AreTheStartSignals) {
   EXPECT_TRUE(last(Kind::kCommand).terminals.has(NetTerminal::kStf));
   EXPECT_EQ(get(0x29, 1, 3), "00 01");
   EXPECT_EQ(set(0x29, 1, 4, "01"), "00");
-  EXPECT_TRUE(last(Kind::kCommand).terminals.has(NetTerminal::kStf));
-  EXPECT_TRUE(last(Kind::kCommand).terminals.has(NetTerminal::kStr));
+  EXPECT_EQ(get(0x29, 1, 4), "00 01");
   EXPECT_EQ(set(0x29, 1, 3, "00"), "00");
   EXPECT_FALSE(last(Kind::kCommand).terminals.has(NetTerminal::kStf));
   EXPECT_EQ(get(0x29, 1, 3), "00 00");
@@ -56,6 +58,37 @@ TEST_F(FrA7neDrive, Run1AndRun2AreTheStartSignals) {
   EXPECT_EQ(get(0x29, 1, 4), "00 00");
   EXPECT_EQ(set(0x29, 1, 3, "01"), "0C");
   EXPECT_EQ(get(0x29, 1, 3), "00 00");
+}
+
+// The run/stop events of the drive profile (CIP Vol 1, 6-29): Run1 and Run2 before and after, and what starts or stops.
+TEST_F(FrA7neDrive, RunStopEventsAreThoseOfTheProfile) {
+  struct Row {
+    const char* name;
+    std::vector<std::pair<unsigned, const char*>> writes;  // attribute, value
+    bool forward, reverse;
+  };
+  for (const Row& row : {Row{"0 0", {{3, "01"}, {3, "00"}}, false, false},
+                         Row{"0>1 0", {{3, "01"}}, true, false},
+                         Row{"0 0>1", {{4, "01"}}, false, true},
+                         Row{"1 0>1", {{3, "01"}, {4, "01"}}, true, false},
+                         Row{"0>1 1", {{4, "01"}, {3, "01"}}, false, true},
+                         Row{"1>0 1", {{3, "01"}, {4, "01"}, {3, "00"}}, false, true},
+                         Row{"1 1>0", {{4, "01"}, {3, "01"}, {4, "00"}}, true, false},
+                         Row{"all off", {{3, "01"}, {4, "01"}, {3, "00"}, {4, "00"}}, false, false}}) {
+    EXPECT_EQ(set(0x2A, 1, 114, "00 00"), "00");
+    for (const auto& [attribute, value] : row.writes) EXPECT_EQ(set(0x29, 1, attribute, value), "00") << row.name;
+    EXPECT_EQ(last(Kind::kCommand).terminals.has(NetTerminal::kStf), row.forward) << row.name;
+    EXPECT_EQ(last(Kind::kCommand).terminals.has(NetTerminal::kStr), row.reverse) << row.name;
+  }
+}
+
+// Attribute 114 has the terminals themselves.
+TEST_F(FrA7neDrive, RunCommandGivesBothStartSignalsToTheInverter) {
+  EXPECT_EQ(set(0x2A, 1, 114, "06 00"), "00");
+  EXPECT_TRUE(last(Kind::kCommand).terminals.has(NetTerminal::kStf));
+  EXPECT_TRUE(last(Kind::kCommand).terminals.has(NetTerminal::kStr));
+  EXPECT_EQ(get(0x29, 1, 3), "00 01");
+  EXPECT_EQ(get(0x29, 1, 4), "00 01");
 }
 
 TEST_F(FrA7neDrive, RunCommandSetsEverySignal) {

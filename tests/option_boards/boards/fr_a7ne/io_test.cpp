@@ -69,6 +69,31 @@ TEST_F(FrA7neIo, Output21HasPermissionBits) {
   EXPECT_EQ(count(Kind::kCommand), commands);
 }
 
+// Run Fwd and Run Rev are attributes 3 and 4 of class 0x29: the events of the profile.
+TEST_F(FrA7neIo, PolledRunBitsFollowTheRunStopEvents) {
+  select(kPr346For21);
+  output(21, "23 00 00 00");  // both at once: nothing starts
+  EXPECT_EQ(terminals(), 0);
+  output(21, "21 00 00 00");  // what stays starts
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStf));
+  output(21, "23 00 00 00");
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStf));
+  output(21, "22 00 00 00");
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStr));
+  output(21, "20 00 00 00");
+  EXPECT_EQ(terminals(), 0);
+}
+
+// Neither is lost when both are on their way to the inverter at once.
+TEST_F(FrA7neIo, PolledCommandKeepsTheExplicitOneThatIsUnderWay) {
+  select(kPr346For129);
+  drive.ticks_to_decide = 3;
+  EXPECT_EQ(request("10 03 20 29 24 01 30 03 01"), "later");
+  output(129, "00 10 00 00 00 00");
+  tick(10);
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStf) | bit(NetTerminal::kRh));
+}
+
 TEST_F(FrA7neIo, RunBitsWithoutPermissionLeaveExplicitCommandsAlone) {
   select(kPr346For21);
   EXPECT_EQ(set(0x29, 1, 3, "01"), "00");
@@ -285,25 +310,6 @@ TEST_F(FrA7neIo, OutputInstancesReadBackWhatWasPolled) {
   EXPECT_EQ(get(4, 21, 3), "00 61 00 DC 05");
   EXPECT_EQ(get(4, 126, 3), "00 00 00 00 00 00 00");
   EXPECT_EQ(set(4, 21, 3, "61 00 DC 05"), "08");
-}
-
-// A line error is the time-out of the owner or no link; not a close.
-TEST_F(FrA7neIo, OwnersTimeOutIsALineErrorAndItsReturnEndsIt) {
-  select(kPr346For21);
-  unit.on_connection(now, owner(), cip::IoEvent::kClosed);
-  EXPECT_FALSE(drive.communication_lost);
-  unit.on_connection(now, {cip::IoRole::kInputOnly, 0, 0}, cip::IoEvent::kOpened);
-  unit.on_connection(now, {cip::IoRole::kInputOnly, 0, 0}, cip::IoEvent::kTimedOut);
-  EXPECT_FALSE(drive.communication_lost);
-  open_owner();
-  unit.on_connection(now, owner(), cip::IoEvent::kTimedOut);
-  EXPECT_TRUE(drive.communication_lost);
-  open_owner();
-  EXPECT_FALSE(drive.communication_lost);
-  unit.set_link(now, false);
-  EXPECT_TRUE(drive.communication_lost);
-  unit.set_link(now, true);
-  EXPECT_FALSE(drive.communication_lost);
 }
 
 TEST_F(FrA7neIo, VersionChangesWithTheInputData) {
