@@ -17,7 +17,8 @@ class PowerFailureStop {
     bool avoids_under_voltage = false;  // decelerates faster while the link is low
     double subtracted_hz = 0;           // taken off at once ...
     double subtracted_from_hz = 0;      // ... at and above this output frequency
-    double begins_below_v = 0;          // DC link
+    double begins_below_v = 0;          // DC link, which the avoidance then holds
+    double held_above_v = 0;            // DC link above which the deceleration waits
     double gain = 1;                    // of the under-voltage avoidance
   };
   struct Input {
@@ -28,15 +29,22 @@ class PowerFailureStop {
     double output_hz = 0;     // magnitude
     double dc_link_v = 0;
   };
-  // Takes this off the frequency in this tick, Hz.
-  double step(double dt_s, const Settings& settings, const Input& input);
+  struct Decision {
+    double lower_by_hz = 0;  // takes this off the frequency in this tick
+    bool hold = false;       // the deceleration waits
+    double raise_by_hz = 0;  // adds this to the output frequency, for this tick; negative: more braking
+  };
+  Decision step(double dt_s, const Settings& settings, const Input& input);
   // The drive has to decelerate, or to stay stopped, whatever is commanded.
   bool active() const { return active_; }
 
  private:
   bool active_ = false;
   OnDelay supply_back_;
-  VINV_ARCHIVE(PowerFailureStop, active_, supply_back_);
+  double to_subtract_hz_ = 0;
+  double last_dc_link_v_ = 0;
+  FirstOrderLag slope_v_s_;
+  VINV_ARCHIVE(PowerFailureStop, active_, supply_back_, to_subtract_hz_, last_dc_link_v_, slope_v_s_);
 };
 
 }  // namespace vinv::drive

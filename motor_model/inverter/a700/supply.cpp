@@ -20,7 +20,8 @@ namespace {
 constexpr double kPeriod_s = to_seconds(Inverter::kControlPeriod);
 constexpr double kPhaseLost_s = 1;       // an input phase must be missing this long
 constexpr double kGoodSupply = 0.8;      // of the nominal voltage
-constexpr double kFailureBegins = 0.75;  // of the nominal DC link voltage
+constexpr double kFailureBegins = 0.85;  // of the nominal DC link voltage
+constexpr double kFailureHeld = 1.1;     // likewise
 constexpr double kContactMost_hz = 30;
 constexpr double kFilterUnit_s = 0.00075;  // of Pr.274
 constexpr double kHours_a = 24 * 365;
@@ -117,14 +118,18 @@ void A700Inverter::follow_power_failure(drive::DriveCommand& command, const driv
   settings.subtracted_hz = store_.value(pr::kSubtractedFrequency);
   settings.subtracted_from_hz = mitsubishi::or_else(store_, pr::kSubtractionStart, 0);
   settings.begins_below_v = kFailureBegins * settings_.nominal_dc_link_v;
+  settings.held_above_v = kFailureHeld * settings_.nominal_dc_link_v;
   settings.gain = store_.value(pr::kAvoidanceGain) / 100;
-  command.lower_by_hz = s_.supply.failure_stop.step(kPeriod_s, settings,
+  const auto decision = s_.supply.failure_stop.step(kPeriod_s, settings,
                                                     {.supply_good = supply_good(),
                                                      .phase_lost = phase_lost,
                                                      .running = running(),
                                                      .start_on = command.direction != RunDirection::kStop,
                                                      .output_hz = std::abs(core_.outputs().output_frequency_hz),
                                                      .dc_link_v = sensors.dc_link_v});
+  command.lower_by_hz = decision.lower_by_hz;
+  command.hold_deceleration = decision.hold;
+  command.raise_by_hz = decision.raise_by_hz;
   if (s_.supply.failure_stop.active()) command.direction = RunDirection::kStop;
 }
 
@@ -142,8 +147,8 @@ void A700Inverter::follow_regeneration(drive::DriveCommand& command, const drive
   settings.frequency_gain = store_.value(pr::kRegenerationFrequencyGain) / 100;
   const auto decision =
       s_.supply.regeneration.step(kPeriod_s, settings, state == RunState::kDecelerating, sensors.dc_link_v);
-  command.raise_by_hz = decision.raise_hz;
-  command.hold_deceleration = decision.hold;
+  command.raise_by_hz += decision.raise_hz;
+  command.hold_deceleration = command.hold_deceleration || decision.hold;
   command.overload = decision.active;
 }
 

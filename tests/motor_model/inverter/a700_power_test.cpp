@@ -41,10 +41,9 @@ Regenerated pushed(Settings settings) {
   return r;
 }
 
-// From 50 Hz down in half a second with a flywheel.
+// From 50 Hz down in a second with a flywheel.
 Regenerated stopped(Settings settings) {
-  settings.emplace_back("Pr.4", 50);
-  settings.emplace_back("Pr.7", 3);
+  settings.insert(settings.begin(), {{"Pr.4", 50}, {"Pr.7", 3}, {"Pr.8", 1}});
   Bench b = a700_with(settings, loaded(0.05, 0.5, config_a700()));
   b.terminal("STF");
   b.terminal("RH");
@@ -77,9 +76,9 @@ TEST(A700Regeneration, Pr882RaisesTheFrequencyInsteadOfTripping) {
 TEST(A700Regeneration, ADecelerationWaitsWithPr882Is1Only) {
   EXPECT_EQ(stopped({}).alarm, "E.OV3");
   EXPECT_EQ(stopped({{"Pr.882", 2}}).alarm, "E.OV3") << "at constant speed only";
-  const Regenerated r = stopped({{"Pr.882", 1}});
+  const Regenerated r = stopped({{"Pr.882", 1}, {"Pr.883", 730}});
   EXPECT_EQ(r.alarm, "");
-  EXPECT_GT(r.seconds, 0.7);
+  EXPECT_GT(r.seconds, 1.5);
   EXPECT_TRUE(r.overload);
 }
 
@@ -102,8 +101,8 @@ TEST(A700Regeneration, Pr884LooksAtTheRiseOfTheLinkToo) {
 TEST(A700Regeneration, Pr886AndPr665AreTheGains) {
   for (const char* gain : {"Pr.886", "Pr.665"}) {
     EXPECT_EQ(pushed({{"Pr.882", 1}, {gain, 0}}).alarm, "E.OV2") << gain;
-    EXPECT_LT(pushed({{"Pr.882", 1}, {"Pr.883", 640}, {gain, 200}}).highest_v,
-              pushed({{"Pr.882", 1}, {"Pr.883", 640}, {gain, 50}}).highest_v - 3)
+    EXPECT_LT(pushed({{"Pr.882", 1}, {"Pr.883", 640}, {gain, 100}}).highest_v,
+              pushed({{"Pr.882", 1}, {"Pr.883", 640}, {gain, 20}}).highest_v - 3)
         << gain;
   }
 }
@@ -117,7 +116,7 @@ TEST(A700Saving, Pr60Is4LowersTheVoltageOfAnIdleMotor) {
     return b;
   };
   Bench full = after({}, 1);
-  Bench saves = after({{"Pr.60", 4}}, 1);
+  Bench saves = after({{"Pr.60", 4}, {"Pr.8", 5}}, 1);
   EXPECT_LT(saves.output_v(), full.output_v() * 0.8);
   EXPECT_LT(saves.signal("output_power"), full.signal("output_power") * 0.95);
   EXPECT_NEAR(saves.output_hz(), 50, 0.01);
@@ -129,7 +128,8 @@ TEST(A700Saving, Pr60Is4LowersTheVoltageOfAnIdleMotor) {
   // A change of speed has the full voltage again.
   ASSERT_TRUE(saves.frequency(45).has_value());
   saves.run(0.3);
-  EXPECT_NEAR(saves.output_v(), full.output_v() * 0.9, 10);
+  EXPECT_LT(saves.output_hz(), 49);
+  EXPECT_NEAR(saves.output_v(), full.output_v() * saves.output_hz() / 50, 10);
 }
 
 TEST(A700Saving, ShareOnTheCommercialSupplyEndsAtTheRatedPower) {
@@ -258,9 +258,14 @@ TEST(A700LoadSpeed, Pr273AndPr274AreTheAverage) {
 // --- stop-on-contact ---
 
 Bench contact(Settings settings, bool locked) {
-  settings.insert(
-      settings.begin(),
-      {{"Pr.270", 1}, {"Pr.80", 1.5}, {"Pr.81", 4}, {"Pr.84", 50}, {"Pr.6", 5}, {"Pr.48", 80}, {"Pr.156", 0}});
+  settings.insert(settings.begin(), {{"Pr.270", 1},
+                                     {"Pr.44", 0.5},
+                                     {"Pr.80", 1.5},
+                                     {"Pr.81", 4},
+                                     {"Pr.84", 50},
+                                     {"Pr.6", 5},
+                                     {"Pr.48", 80},
+                                     {"Pr.156", 0}});
   Bench b = a700_with(settings);
   b->set_shaft_locked(locked);
   b.terminal("RL");
