@@ -34,6 +34,12 @@ RampTimes watched(RampTimes times, const DriveSettings& s, bool stalled_at_const
   return times;
 }
 
+DriveSettings settings_of_restart(DriveSettings s) {
+  if (s.restart_stall_level_percent >= 0) s.stall_level_percent = s.restart_stall_level_percent;
+  if (s.restart_acceleration_s >= 0) s.acceleration_s = s.restart_acceleration_s;
+  return s;
+}
+
 }  // namespace
 
 struct DriveCore::Tick {
@@ -75,6 +81,7 @@ void DriveCore::output_off(RunState state) {
   cushion_.end();
   power_failure_.end();
   stalled_at_constant_ = false;
+  catching_ = false;
   overload_ = false;
 }
 
@@ -201,7 +208,20 @@ void DriveCore::start(const Tick& t) {
   protections_.begin_output();
   if (t.settings.earth_fault_detection && t.sensors.earth_fault) {
     trip({TripKind::kEarthFault, {}, 1, 0, state_, ramp_.frequency_hz()});
+    return;
   }
+  if (t.settings.restart_at_every_start || t.command.catch_motor) catch_motor(t, 0);
+}
+
+// The output has come on at the start frequency; it goes on from where the motor is.
+void DriveCore::catch_motor(const Tick& t, double before_hz) {
+  const DriveSettings& s = t.settings;
+  double from_hz = s.restart_method == RestartMethod::kSearch ? t.sensors.rotor_frequency_hz : before_hz;
+  if (!s.restart_finds_direction && from_hz * sign_of(t.command.direction) < 0) from_hz = 0;
+  from_hz = std::clamp(from_hz, -s.max_frequency_hz, s.max_frequency_hz);
+  if (std::abs(from_hz) > s.start_frequency_hz) ramp_.set(from_hz);
+  catching_ = true;
+  cushion_.begin();
 }
 
 Motion DriveCore::motion(double target_hz) const {
@@ -210,7 +230,10 @@ Motion DriveCore::motion(double target_hz) const {
 }
 
 void DriveCore::run_ramp(const Tick& t, double target_hz) {
-  const DriveSettings& s = t.settings;
+  DriveSettings of_restart;
+  if (catching_) of_restart = settings_of_restart(t.settings);
+  const DriveSettings& s = catching_ ? of_restart : t.settings;
+  if (t.command.lower_by_hz > 0) ramp_.lower(t.command.lower_by_hz, s.start_frequency_hz);
   const Motion now = motion(target_hz);  // apart from stall prevention
   const double magnitude = std::abs(ramp_.frequency_hz());
   const double level_a_rms = stall_level_percent(s, magnitude) / 100 * s.rated_current_a_rms;
@@ -220,7 +243,7 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
   const auto stall = stall_.step(t.dt_s, s,
                                  {now, magnitude, arrived ? 0 : acceleration_rate_hz_s(times),
                                   deceleration_rate_hz_s(times), t.sensors.dc_link_v});
-  overload_ = stall.active;
+  overload_ = stall.active || t.command.overload;
   if (stall.trip) {
     const RunState state = now == Motion::kAccelerating ? RunState::kAccelerating
                            : now == Motion::kConstant   ? RunState::kConstant
@@ -238,7 +261,8 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
     ramp_.lower(-stall.most_hz_s * t.dt_s, s.stall_trip_frequency_hz);
   } else if (start_hold_left_s_ > 0 && now == Motion::kAccelerating) {
     start_hold_left_s_ -= t.dt_s;
-  } else if (!(cushion_.rising() && now == Motion::kAccelerating)) {
+  } else if (!(cushion_.rising() && now == Motion::kAccelerating) &&
+             !(t.command.hold_deceleration && now == Motion::kDecelerating)) {
     // While a restart catches the motor the frequency stays where the motor is.
     ramp_.step_at_most(t.dt_s, target_hz, times, stall.most_hz_s);
   }
@@ -264,6 +288,7 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
     case Motion::kConstant: state_ = RunState::kConstant; break;
     case Motion::kDecelerating: state_ = RunState::kDecelerating; break;
   }
+  if (state_ == RunState::kConstant && !cushion_.rising()) catching_ = false;
 }
 
 void DriveCore::brake(const Tick& t) {
@@ -292,12 +317,9 @@ void DriveCore::supply_failed(const Tick& t) {
     output_off(RunState::kStopped);
     return;
   }
+  const double before_hz = ramp_.frequency_hz();
   start(t);
-  if (state_ == RunState::kTripped) return;
-  const double rotor =
-      std::clamp(t.sensors.rotor_frequency_hz, -t.settings.max_frequency_hz, t.settings.max_frequency_hz);
-  if (std::abs(rotor) > t.settings.start_frequency_hz) ramp_.set(rotor);
-  cushion_.begin();
+  if (state_ != RunState::kTripped) catch_motor(t, before_hz);
 }
 
 void DriveCore::set_stage(const Tick& t) {
@@ -322,14 +344,14 @@ void DriveCore::set_stage(const Tick& t) {
   const double slip = slip_.step(t.dt_s, s, magnitude, t.torque_current_a_rms);
   const double droop = droop_.step(t.dt_s, s, state_ != RunState::kConstant, t.torque_current_a_rms);
   // Compensation does not raise the output above the maximum frequency, nor lower it below the start frequency.
-  const double output = std::clamp(magnitude + slip - droop, std::min(magnitude, s.start_frequency_hz),
-                                   std::max(magnitude, s.max_frequency_hz));
+  const double output = std::clamp(magnitude + slip - droop + t.command.raise_by_hz,
+                                   std::min(magnitude, s.start_frequency_hz), std::max(magnitude, s.max_frequency_hz));
   const RunDirection rotation = ramp < 0 ? RunDirection::kReverse : RunDirection::kForward;
-  const double raised = cushion_.rising() ? cushion_.step(t.dt_s, s.restart_cushion_s) : 1;
+  const double raised = cushion_.rising() ? cushion_.step(t.dt_s, s) : 1;
   const double voltage = vf_voltage_v_rms(s, output, rotation, compensation_current_.value());
   out_.output_frequency_hz = std::copysign(output, ramp);
   out_.stage_frequency_hz = out_.output_frequency_hz;
-  out_.stage_voltage_peak_v = raised * limit * phase_peak_v(voltage);
+  out_.stage_voltage_peak_v = raised * limit * t.command.voltage_factor * phase_peak_v(voltage);
 }
 
 void DriveCore::publish(const Tick& t) {

@@ -44,6 +44,7 @@ class DriveCore {
   bool output_on() const;
   void output_off(RunState state);
   void start(const Tick& t);
+  void catch_motor(const Tick& t, double before_hz);
   void stop_or_run(const Tick& t);
   void run_ramp(const Tick& t, double target_hz);
   void brake(const Tick& t);
@@ -71,12 +72,13 @@ class DriveCore {
   BrakeDuty brake_duty_;
   Protections protections_;
   DetectionOutputs detection_;
+  bool catching_ = false;             // since a turning motor was caught, until the set frequency is reached
   bool stalled_at_constant_ = false;  // stall prevention has taken a constant speed down and it is not yet back
   bool overload_ = false;
   DriveOutputs out_;
   VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, droop_, start_hold_left_s_,
                current_limit_, compensation_current_, dc_brake_, coast_delay_, link_, power_failure_, cushion_,
-               brake_duty_, protections_, detection_, stalled_at_constant_, overload_, out_);
+               brake_duty_, protections_, detection_, catching_, stalled_at_constant_, overload_, out_);
 };
 
 }  // namespace vinv::drive

@@ -13,6 +13,9 @@ namespace vinv::drive {
 
 enum class RampPattern : std::uint8_t { kLinear, kSCurveA, kSCurveB, kBacklash, kSCurveC };
 VINV_ENUM_RANGE(RampPattern, kLinear, kSCurveC);
+// How a turning motor is caught: at the speed that it has, or at the frequency of before with the voltage rising.
+enum class RestartMethod : std::uint8_t { kSearch, kReducedVoltage };
+VINV_ENUM_RANGE(RestartMethod, kSearch, kReducedVoltage);
 enum class LoadPattern : std::uint8_t { kConstantTorque, kVariableTorque, kHoistBoostForward, kHoistBoostReverse };
 VINV_ENUM_RANGE(LoadPattern, kConstantTorque, kHoistBoostReverse);
 
@@ -60,8 +63,9 @@ struct DriveSettings {
   double base_voltage_v_rms = 400;  // at and above base frequency
   double torque_boost_percent = 4;  // of base voltage at 0 Hz
   LoadPattern load_pattern = LoadPattern::kConstantTorque;
-  std::array<VfPoint, 5> vf_points{};             // between 0 Hz and base frequency, rising
-  std::uint32_t vf_point_count = 0;               // 0: the load pattern's shape
+  std::array<VfPoint, 5> vf_points{};  // between 0 Hz and base frequency, rising
+  std::uint32_t vf_point_count = 0;    // 0: the load pattern's shape
+  double flux_factor = 1;  // with stator resistance compensation: of the V/f law's flux below base frequency
   double stator_resistance_compensation_ohm = 0;  // flux vector control: adds most of R * I to the voltage; 0: off
   // the motor as the drive takes it to be: how hard stall prevention acts, and how it tells driving from braking
   double motor_slip_hz = 2;     // at the motor's rated current
@@ -124,6 +128,13 @@ struct DriveSettings {
   double restart_coast_s = 0.5;  // wait after the power returns
   double restart_cushion_s = 1;  // voltage is raised over this time
   double power_failure_detect_s = 0.015;
+  RestartMethod restart_method = RestartMethod::kSearch;
+  bool restart_at_every_start = false;
+  bool restart_finds_direction = true;       // else the search finds a motor that turns as commanded only
+  double restart_first_cushion_s = 0;        // the voltage has by then ...
+  double restart_first_voltage_percent = 0;  // ... this part of the V/f law's
+  double restart_stall_level_percent = -1;   // until the set frequency is reached; below 0: stall_level_percent
+  double restart_acceleration_s = -1;        // likewise; below 0: acceleration_s
   // detection outputs
   double up_to_frequency_percent = 10;  // of the set frequency
   double detect_forward_hz = 6;         // FU
@@ -138,20 +149,22 @@ struct DriveSettings {
                min_frequency_hz, start_frequency_hz, jump_bands, acceleration_s, deceleration_s, ramp_reference_hz,
                cushion_pattern_base_hz, ramp_pattern, s_time_acceleration_s, s_time_deceleration_s, backlash_up_hz,
                backlash_up_s, backlash_down_hz, backlash_down_s, start_hold_s, base_frequency_hz, base_voltage_v_rms,
-               torque_boost_percent, load_pattern, vf_points, vf_point_count, stator_resistance_compensation_ohm,
-               motor_slip_hz, motor_stator_ohm, rated_slip_hz, motor_rated_current_a_rms, motor_no_load_current_a_rms,
-               slip_response_s, slip_in_constant_output, droop_hz, droop_filter_s, droop_in_ramps,
-               dc_brake_frequency_hz, dc_brake_s, dc_brake_voltage_percent, stall_level_percent,
-               stall_level_double_speed_percent, stall_compensated, stall_reduction_start_hz, stall_in_acceleration,
-               stall_at_constant, stall_in_deceleration, stall_trips_at_once, fast_current_limit, dc_link_hold_v,
-               shortest_acceleration, shortest_deceleration, shortest_watches_link, shortest_current_acceleration_a_rms,
-               shortest_current_deceleration_a_rms, stop_by_coasting, coast_delay_s, electronic_thermal_a_rms,
-               motor_forced_cooling, inverter_overload_start_percent, over_current_percent, over_voltage_v,
-               under_voltage_v, under_voltage_clear_v, stall_trip_frequency_hz, stall_trip_s, heat_sink_trip_c,
-               output_phase_loss_protection, earth_fault_detection, chopper_fitted, chopper_on_v, chopper_off_v,
-               chopper_duty_percent, restart_enabled, restart_coast_s, restart_cushion_s, power_failure_detect_s,
-               up_to_frequency_percent, detect_forward_hz, detect_reverse_hz, current_detect_percent, current_detect_s,
-               zero_current_percent, zero_current_s, carrier_hz);
+               torque_boost_percent, load_pattern, vf_points, vf_point_count, flux_factor,
+               stator_resistance_compensation_ohm, motor_slip_hz, motor_stator_ohm, rated_slip_hz,
+               motor_rated_current_a_rms, motor_no_load_current_a_rms, slip_response_s, slip_in_constant_output,
+               droop_hz, droop_filter_s, droop_in_ramps, dc_brake_frequency_hz, dc_brake_s, dc_brake_voltage_percent,
+               stall_level_percent, stall_level_double_speed_percent, stall_compensated, stall_reduction_start_hz,
+               stall_in_acceleration, stall_at_constant, stall_in_deceleration, stall_trips_at_once, fast_current_limit,
+               dc_link_hold_v, shortest_acceleration, shortest_deceleration, shortest_watches_link,
+               shortest_current_acceleration_a_rms, shortest_current_deceleration_a_rms, stop_by_coasting,
+               coast_delay_s, electronic_thermal_a_rms, motor_forced_cooling, inverter_overload_start_percent,
+               over_current_percent, over_voltage_v, under_voltage_v, under_voltage_clear_v, stall_trip_frequency_hz,
+               stall_trip_s, heat_sink_trip_c, output_phase_loss_protection, earth_fault_detection, chopper_fitted,
+               chopper_on_v, chopper_off_v, chopper_duty_percent, restart_enabled, restart_coast_s, restart_cushion_s,
+               power_failure_detect_s, restart_method, restart_at_every_start, restart_finds_direction,
+               restart_first_cushion_s, restart_first_voltage_percent, restart_stall_level_percent,
+               restart_acceleration_s, up_to_frequency_percent, detect_forward_hz, detect_reverse_hz,
+               current_detect_percent, current_detect_s, zero_current_percent, zero_current_s, carrier_hz);
 };
 
 enum class RunDirection : std::int8_t { kReverse = -1, kStop = 0, kForward = 1 };
@@ -159,10 +172,16 @@ VINV_ENUM_RANGE(RunDirection, kReverse, kForward);
 
 struct DriveCommand {
   RunDirection direction = RunDirection::kStop;
-  double set_frequency_hz = 0;    // magnitude, before limits and jumps
-  bool output_stop = false;       // MRS: output off at once, the motor coasts
-  bool external_thermal = false;  // OH opened
-  bool permit = true;             // false in start-up, reset and while a retry waits: no output
+  double set_frequency_hz = 0;     // magnitude, before limits and jumps
+  bool output_stop = false;        // MRS: output off at once, the motor coasts
+  bool external_thermal = false;   // OH opened
+  bool permit = true;              // false in start-up, reset and while a retry waits: no output
+  bool catch_motor = false;        // an output that comes on meets a turning motor, as after a power failure
+  double lower_by_hz = 0;          // takes the frequency down by this at once
+  double raise_by_hz = 0;          // adds this to the output frequency, for this tick
+  bool hold_deceleration = false;  // a deceleration waits
+  bool overload = false;           // OL for a reason of the personality's
+  double voltage_factor = 1;       // of the V/f law's voltage
 };
 
 struct Sensors {

@@ -49,20 +49,32 @@ class PowerFailure {
   VINV_ARCHIVE(PowerFailure, phase_, stop_seen_, dip_, waited_);
 };
 
-// Voltage factor after a restart: from nothing to full over the cushion time.
+// Voltage factor after a restart: from nothing to full over the cushion time, by way of a point in between.
 class RestartCushion {
  public:
-  void begin() { factor_ = 0; }
+  void begin() {
+    factor_ = 0;
+    elapsed_s_ = 0;
+  }
   void end() { factor_ = 1; }
   bool rising() const { return factor_ < 1; }
-  double step(double dt_s, double cushion_s) {
-    factor_ = cushion_s > dt_s ? std::min(1.0, factor_ + dt_s / cushion_s) : 1.0;
+  double step(double dt_s, const DriveSettings& s) {
+    const double first_s = s.restart_first_cushion_s;
+    const double first = s.restart_first_voltage_percent / 100;
+    elapsed_s_ += dt_s;
+    if (elapsed_s_ <= first_s) {
+      factor_ = first * elapsed_s_ / first_s;
+      return factor_;
+    }
+    const double left_s = s.restart_cushion_s - first_s;
+    factor_ = left_s > dt_s ? std::min(1.0, std::max(factor_, first) + dt_s * (1 - first) / left_s) : 1.0;
     return factor_;
   }
 
  private:
   double factor_ = 1;
-  VINV_ARCHIVE(RestartCushion, factor_);
+  double elapsed_s_ = 0;
+  VINV_ARCHIVE(RestartCushion, factor_, elapsed_s_);
 };
 
 }  // namespace vinv::drive

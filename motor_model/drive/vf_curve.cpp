@@ -49,7 +49,8 @@ double vf_voltage_v_rms(const DriveSettings& settings, double frequency_hz, RunD
   if (settings.vf_point_count > 0) u = adjustable_v_rms(settings, frequency_hz, u_boost);
   if (settings.stator_resistance_compensation_ohm > 0) {
     const double i = kCompensated * std::min(current_a_rms, kMostCompensated * settings.rated_current_a_rms);
-    u = std::max(u, u_base * shape + std::numbers::sqrt3 * settings.stator_resistance_compensation_ohm * i);
+    u = std::max(u, u_base * std::min(1.0, shape * settings.flux_factor) +
+                        std::numbers::sqrt3 * settings.stator_resistance_compensation_ohm * i);
   }
   return std::clamp(u, 0.0, std::max(u_base, 0.0));
 }

@@ -16,8 +16,10 @@ T checked(Result<T, std::string> loaded) {
 }  // namespace
 
 FamilyData load_family(const FamilyTables& csv) {
-  return {checked(ParameterTable::load(csv.parameters)), checked(AlarmTable::load(csv.alarms)),
-          checked(SignalMap::load(csv.terminals)), checked(load_models(csv.models))};
+  ParameterTable parameters = checked(ParameterTable::load(csv.parameters));
+  if (!csv.ranges.empty()) VINV_CHECK(parameters.take_ranges(csv.ranges).has_value());
+  return {std::move(parameters), checked(AlarmTable::load(csv.alarms)), checked(SignalMap::load(csv.terminals)),
+          checked(load_models(csv.models))};
 }
 
 }  // namespace vinv::inverter

@@ -16,6 +16,7 @@ struct FamilyTables {
   std::string_view alarms;
   std::string_view terminals;
   std::string_view models;
+  std::string_view ranges{};  // of the parameters of some models; empty: as in parameters
 };
 
 struct FamilyData {

@@ -240,6 +240,46 @@ Result<ParameterTable, std::string> ParameterTable::load(std::string_view csv) {
   return out;
 }
 
+Result<void, std::string> ParameterTable::take_ranges(std::string_view csv) {
+  const auto table = parse_csv(csv);
+  if (!table) return Unexpected(table.error());
+  CsvReader in(*table);
+  for (std::size_t i = 0; i < in.size() && !in.error(); ++i) {
+    in.select(i);
+    const long number = in.integer("pr");
+    const auto at = index(port::ParameterId{static_cast<std::uint16_t>(number), 0});
+    const auto decimals = decimals_of(in.text("increment"));
+    if (!at || !rows_[*at].stored()) in.fail("pr", "is not a stored parameter of one word");
+    if (!decimals) in.fail("increment", "must be 1, 0.1, 0.01 or 0.001");
+    if (in.error()) break;
+    ParameterRow& row = rows_[*at];
+    const auto minimum = text_to_raw(in.text("min"), *decimals);
+    const auto maximum = text_to_raw(in.text("max"), *decimals);
+    if (!minimum || !maximum || *minimum > *maximum || *maximum >= kRaw8888) {
+      in.fail("min", "min and max must be multiples of the increment, min below max");
+      break;
+    }
+    const bool special = (row.has_9999 && row.raw_default == kRaw9999) || (row.has_8888 && row.raw_default == kRaw8888);
+    if (!special) {
+      for (int d = row.decimals; d < *decimals; ++d) row.raw_default *= 10;
+      for (int d = row.decimals; d > *decimals; --d) row.raw_default /= 10;
+    }
+    row.decimals = *decimals;
+    row.raw_minimum = static_cast<std::int32_t>(*minimum);
+    row.raw_maximum = static_cast<std::int32_t>(*maximum);
+    row.allowed_text = in.text("allowed");
+    auto allowed = parse_allowed(row.allowed_text, row.decimals);
+    if (!allowed) {
+      in.fail("allowed", "'" + row.allowed_text + "' is not a list of values and ranges");
+      break;
+    }
+    row.allowed = std::move(*allowed);
+    if (!row.accepts(row.raw_default)) in.fail("min", "the default is outside");
+  }
+  if (in.error()) return Unexpected(*in.error());
+  return {};
+}
+
 std::optional<std::size_t> ParameterTable::index(port::ParameterId id) const {
   if (id.number >= kNumbers || id.sub >= places_[id.number].size() || places_[id.number][id.sub] < 0)
     return std::nullopt;

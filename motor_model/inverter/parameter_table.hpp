@@ -80,6 +80,8 @@ class ParameterTable {
  public:
   // Error: line, column and reason.
   static Result<ParameterTable, std::string> load(std::string_view csv);
+  // Other increments and ranges for some models: rows pr, increment, min, max, allowed. Defaults keep their value.
+  Result<void, std::string> take_ranges(std::string_view csv);
 
   const std::vector<ParameterRow>& rows() const { return rows_; }
   // Position in rows(); empty if there is no such parameter.

@@ -121,6 +121,7 @@ void A700Inverter::stop_family(EepromRecord& record) {
   remembered_ = {resumes, v_.network.command, v_.network.frequency_hz};
   keep_whole_seconds(record);
   record.counters[kEnergyJoule] += static_cast<std::int64_t>(s_.energy_j);
+  open_contactors();
   eeprom_changed_ = true;
   // Pr.501 goes into the EEPROM once an hour only (FR-A7NE manual 4.5.1).
   s_ = State{};
@@ -131,12 +132,17 @@ void A700Inverter::keep_whole_seconds(EepromRecord& record) {
   s_.energized_s -= static_cast<double>(seconds);
   record.counters[kEnergizedSeconds] += seconds;
   record.counters[kMaintenanceSeconds] += seconds;
+  record.counters[kSavedJoule] += std::llround(s_.supply.saving.saved_kws() * 1000);
+  record.counters[kSavingSeconds] += std::llround(s_.supply.saving.counted_s());
+  s_.supply.saving.take();
 }
 
 void A700Inverter::count_family(EepromRecord& record) const {
   record.counters[kEnergizedSeconds] += static_cast<std::int64_t>(s_.energized_s);
   record.counters[kMaintenanceSeconds] += static_cast<std::int64_t>(s_.energized_s);
   record.counters[kEnergyJoule] += static_cast<std::int64_t>(s_.energy_j);
+  record.counters[kSavedJoule] += std::llround(s_.supply.saving.saved_kws() * 1000);
+  record.counters[kSavingSeconds] += std::llround(s_.supply.saving.counted_s());
 }
 
 void A700Inverter::count(double dt_s) {
@@ -225,7 +231,9 @@ void A700Inverter::follow_causes_of_its_own() {
   const double now_s = to_seconds(now_);
   const drive::DriveOutputs& out = core_.outputs();
   const auto absent = std::count(mains_.phase_present.begin(), mains_.phase_present.end(), false);
-  if (s_.phase_lost.step(kPeriod_s, running() && absent == 1 && store_.integer(pr::kInputPhaseLoss) == 1,
+  if (s_.phase_lost.step(kPeriod_s,
+                         running() && absent == 1 && store_.integer(pr::kInputPhaseLoss) == 1 &&
+                             store_.integer(pr::kPowerFailureStop) == 0,
                          kPhaseLost_s)) {
     raise("E.ILF", at(now_s, "an input phase is missing with Pr.872 = 1, judged"));
   } else if (s_.thermistor_hot.step(kPeriod_s, has_function(InputSignal::kPtc) && causes_.thermistor,
@@ -315,7 +323,10 @@ std::optional<Refusal> A700Inverter::command_parameter(unsigned number, std::int
     case pr::kRetryCount: record_.retry_count = 0; break;
     case pr::kEnergyClear:
       // 10 and 9999 choose how far the meter goes; 0 sets it back.
-      if (raw != 0) break;
+      if (raw != 0) {
+        record_.counters[kEnergyLimit] = raw == kRaw9999 ? 0 : raw;
+        break;
+      }
       record_.counters[kEnergyJoule] = 0;
       s_.energy_j = 0;
       break;
@@ -333,6 +344,14 @@ std::optional<Refusal> A700Inverter::command_parameter(unsigned number, std::int
       break;
     case pr::kGroupAdd: return raw == kRaw9999 ? std::nullopt : group_command(0, true, raw);
     case pr::kGroupRemove: return group_command(0, false, raw);
+    case pr::kSavingClear:
+      if (raw != 0) {
+        record_.counters[kSavingMode] = raw == kRaw9999 ? 0 : raw;
+        break;
+      }
+      record_.counters[kSavedJoule] = record_.counters[kSavingSeconds] = 0;
+      s_.supply.saving.clear_sum();
+      break;
     case pr::kErrorCount:
       s_.line_errors = 0;
       record_.counters[kLineErrors] = 0;
@@ -352,13 +371,14 @@ std::int32_t A700Inverter::command_value(unsigned number) const {
                                    static_cast<std::int64_t>(kHour_s);
   const std::int64_t operated_h =
       (record_.operating_seconds + static_cast<std::int64_t>(v_.operating_s)) / static_cast<std::int64_t>(kHour_s);
+  const auto chosen = [](std::int64_t value) { return value == 0 ? kRaw9999 : static_cast<std::int32_t>(value); };
   switch (number) {
     case pr::kRetryCount: return record_.retry_count;
-    case pr::kEnergyClear:
+    case pr::kEnergyClear: return chosen(record_.counters[kEnergyLimit]);
+    case pr::kSavingClear: return chosen(record_.counters[kSavingMode]);
     case pr::kHourMeterClear:
     case pr::kGroupAdd:
-    case pr::kGroupRemove:
-    case pr::kSavingClear: return kRaw9999;
+    case pr::kGroupRemove: return kRaw9999;
     case pr::kGroupBatch: return record_.groups[0].count;
     case pr::kErrorCount: return static_cast<std::int32_t>(std::min<std::int64_t>(s_.line_errors, 65535));
     case pr::kLifeAlarm: return causes_.fan ? 4 : 0;  // bit 2: cooling fan

@@ -10,6 +10,7 @@
 #include "motor_model/inverter/a700/communication_error.hpp"
 #include "motor_model/inverter/a700/du07.hpp"
 #include "motor_model/inverter/a700/operation_mode.hpp"
+#include "motor_model/inverter/a700/supply.hpp"
 #include "motor_model/inverter/a700/tables.hpp"
 #include "motor_model/inverter/mitsubishi/inverter.hpp"
 #include "motor_model/port/speed_conversion.hpp"
@@ -18,7 +19,7 @@ namespace vinv::inverter::a700 {
 
 inline constexpr std::string_view kFamily = "fr-a700";
 
-const mitsubishi::Personality& personality();
+const mitsubishi::Personality& personality(bool large = false);
 
 // Lost with the control supply, beyond what every family has.
 struct State {
@@ -47,13 +48,25 @@ struct State {
   double energized_s = 0;   // not yet in the record
   double energy_j = 0;
   std::int64_t line_errors = 0;  // not all in the record
+  Supply supply;
   VINV_ARCHIVE(State, alive, raw_pr340, communication, external_jog, reversed, input_1, phase_lost, thermistor_hot,
                sleep_due, asleep, pid_started, pid_set_point, pid_measured, current_peak_a, dc_link_peak_v, was_running,
-               overloaded, brake, brake_open, last_direction, traverse, traversing, energized_s, energy_j, line_errors);
+               overloaded, brake, brake_open, last_direction, traverse, traversing, energized_s, energy_j, line_errors,
+               supply);
 };
 
 // Positions in EepromRecord::counters.
-enum Counter : std::size_t { kEnergizedSeconds, kEnergyJoule, kLineErrors, kMaintenanceSeconds, kNetworkFrequency };
+enum Counter : std::size_t {
+  kEnergizedSeconds,
+  kEnergyJoule,
+  kLineErrors,
+  kMaintenanceSeconds,
+  kNetworkFrequency,
+  kSavedJoule,
+  kSavingSeconds,
+  kEnergyLimit,  // last write of Pr.170 that was no clear: 10, or 0 for 9999
+  kSavingMode,   // of Pr.898: 1, 10, or 0 for 9999
+};
 
 // What a short power failure leaves with Pr.340 = 2 or 12.
 struct Remembered {
@@ -65,8 +78,9 @@ struct Remembered {
 
 class A700Inverter final : public mitsubishi::MitsubishiInverter {
  public:
-  A700Inverter(const InverterConfig& config, const ModelRow& model, ParameterStore store)
-      : MitsubishiInverter(personality(), config, model, std::move(store)), connector_(config.option_connector) {}
+  A700Inverter(const mitsubishi::Personality& personality, const InverterConfig& config, const ModelRow& model,
+               ParameterStore store)
+      : MitsubishiInverter(personality, config, model, std::move(store)), connector_(config.option_connector) {}
 
   Outcome press_key(PanelKey key) override;
   Outcome set_reference(double hz) override;
@@ -109,7 +123,9 @@ class A700Inverter final : public mitsubishi::MitsubishiInverter {
   port::AlarmHistory alarm_history() const override;
   bool jog_operation() const override { return jogging(); }
   std::uint16_t network_frequency() const override;
+  port::DriveFacts facts() const override { return {MitsubishiInverter::facts().voltage_class_v, large()}; }
 
+  bool large() const { return model_.motor_kw >= kLarge_kw; }
   bool option_works() const { return option_fitted_ && connector_ == 3; }
   ModeSituation mode_situation() const;
   struct Rights {
@@ -130,6 +146,20 @@ class A700Inverter final : public mitsubishi::MitsubishiInverter {
   void count(double dt_s);
   void keep_whole_seconds(EepromRecord& record);
   bool vector_control() const;
+  // --- supply, power and what follows the load (supply.cpp) ---
+  void follow_contactors(drive::DriveCommand& command);
+  void open_contactors();
+  void follow_power_failure(drive::DriveCommand& command, const drive::Sensors& sensors);
+  void follow_regeneration(drive::DriveCommand& command, const drive::Sensors& sensors);
+  void follow_saving(drive::DriveCommand& command);
+  bool supply_good() const;
+  bool on_contact(InputSignals signals) const;
+  std::optional<double> load_speed_frequency(const mitsubishi::Inputs& inputs);
+  bool drives_contactors() const;
+  bool has_output(OutputSignal signal) const;
+  double saving_value() const;  // monitor 50
+  double saved_value() const;   // monitor 51
+  int monitor_decimals(const MonitorRow& row) const;
   double monitor_value(unsigned code) const;  // physical; 0 for what is not fitted
   double meter_share(unsigned code) const;    // of full scale
   port::SpeedConversion speed_conversion() const;

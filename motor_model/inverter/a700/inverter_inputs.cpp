@@ -90,7 +90,10 @@ Inputs A700Inverter::read_inputs() {
     default: break;
   }
   // With Pr.79 = 7 and no X12 signal MRS is the interlock of PU operation and stops nothing.
-  if (in.signals.has(InputSignal::kMrs) && !interlock) in.output_stop = true;
+  // With the switch-over to the commercial supply it permits operation.
+  if (in.signals.has(InputSignal::kMrs) && !interlock && !drives_contactors()) in.output_stop = true;
+  s_.supply.operation_enabled = in.signals.has(InputSignal::kMrs);
+  s_.supply.inverter_wanted = in.signals.has(InputSignal::kCs);
   take_start(in,
              {in.signals.has(InputSignal::kStf), in.signals.has(InputSignal::kStr), in.signals.has(InputSignal::kStop)},
              by_panel);
@@ -157,6 +160,10 @@ double A700Inverter::source_frequency(const Inputs& inputs) {
   if (jogging()) {
     v_.pid.reset();
     return store_.value(pr::kJogFrequency);
+  }
+  if (const auto by_load = load_speed_frequency(inputs)) {
+    v_.pid.reset();
+    return *by_load;
   }
   const bool in_network = v_.mode == OperationMode::kNetwork;
   const Rights rights = in_network ? network_rights() : Rights{};

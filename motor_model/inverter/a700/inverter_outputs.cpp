@@ -72,7 +72,8 @@ double A700Inverter::monitor_value(unsigned code) const {
     case 10: return out.motor_thermal_fraction * 100;
     case 11: return s_.current_peak_a;
     case 12: return s_.dc_link_peak_v;
-    case 13: return std::max(0.0, m.input_power_w) / 1000;
+    // Of the inverter: not what a motor on the commercial supply takes.
+    case 13: return plant_.motor_source() == plant::MotorSource::kMains ? 0 : std::max(0.0, m.input_power_w) / 1000;
     case 14: return m.gates_on ? std::max(0.0, m.output_power_w) / 1000 : 0;
     case 15: return terminal_bits();
     case 16: {
@@ -93,17 +94,20 @@ double A700Inverter::monitor_value(unsigned code) const {
     case 25: {
       const double kwh = (static_cast<double>(record_.counters[kEnergyJoule]) + s_.energy_j) / kJoulePerKwh;
       const int shift = store_.is_9999(pr::kMonitorShift) ? 0 : store_.integer(pr::kMonitorShift);
-      // 9999 begins anew at the end, a shift stays there.
+      // 9999 begins anew at the end, a shift stays there, and Pr.170 = 10 ends at 9999.
       const double shifted = std::floor(kwh / std::pow(10, shift));
+      if (record_.counters[kEnergyLimit] == 10) return std::min(shifted, 9999.0);
       return store_.is_9999(pr::kMonitorShift) ? std::fmod(shifted, 65536) : std::min(shifted, 65535.0);
     }
     case 32: return vector_control() && m.gates_on ? std::abs(torque_percent) : 0;
     case 33: return vector_control() && m.gates_on ? active / rated_active * 100 : 0;
     case 34: return vector_control() && m.gates_on ? std::max(0.0, m.shaft_power_w) / 1000 : 0;
+    case 50: return saving_value();
+    case 51: return saved_value();
     case 52: return v_.pid_active ? s_.pid_set_point : 0;
     case 53: return v_.pid_active ? s_.pid_measured : 0;
     case 54: return v_.pid_active ? s_.pid_set_point - s_.pid_measured : 0;
-    default: return 0;  // encoder, digital options and the saving monitors are not fitted
+    default: return 0;  // encoder and digital options are not fitted
   }
 }
 
@@ -111,7 +115,7 @@ Result<std::uint16_t, Refusal> A700Inverter::read_monitor(unsigned number) const
   const auto& rows = monitors();
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const MonitorRow& r) { return r.code == number; });
   if (row == rows.end()) return Unexpected(Refusal::kNoSuchItem);
-  const double scaled = (control_alive_ ? monitor_value(number) : 0) * std::pow(10, row->decimals);
+  const double scaled = (control_alive_ ? monitor_value(number) : 0) * std::pow(10, monitor_decimals(*row));
   // The PID deviation is signed, in two's complement; nothing else is below 0.
   return static_cast<std::uint16_t>(std::clamp(std::lround(scaled), number == 54 ? -32768L : 0L, 65535L));
 }
@@ -140,6 +144,7 @@ double A700Inverter::meter_share(unsigned code) const {
     case 13:
     case 14:
     case 34: full = 2 * model_.motor_kw; break;
+    case 50: full = store_.value(pr::kMotorReference); break;
     case 21: return 1;  // always full scale, to adjust a meter
     case 24: full = 200; break;
     default: break;
@@ -163,11 +168,17 @@ void A700Inverter::publish_family(OutputSignals& o) {
     s_.current_peak_a = std::max(s_.current_peak_a, p.output_current / 100.0);
     s_.dc_link_peak_v = std::max(s_.dc_link_peak_v, m.dc_link_v);
   }
+  if (s_.supply.failure_stop.active() && p.status.running) p.status.stopping = true;
   p.status.fault_stop = s_.communication.stopping() && p.status.running;
 
   o.set(OutputSignal::kIpf, p.status.power_failure);
   o.set(OutputSignal::kOl,
         s_.overloaded.step(kPeriod_s, p.status.overload && !store_.is_9999(pr::kOlTimer), store_.value(pr::kOlTimer)));
+  o.set(OutputSignal::kMc1, s_.supply.drives_contactors && s_.supply.contactors.mc1());
+  o.set(OutputSignal::kMc2, s_.supply.drives_contactors && s_.supply.contactors.mc2());
+  o.set(OutputSignal::kMc3, s_.supply.drives_contactors && s_.supply.contactors.mc3());
+  o.set(OutputSignal::kY46, s_.supply.failure_stop.active());
+  o.set(OutputSignal::kY92, s_.supply.saving.updated());
   o.set(OutputSignal::kBof, s_.brake.opening_requested());
   o.set(OutputSignal::kFu2, p.status.running && hz >= store_.value(pr::kDetection2));
   o.set(OutputSignal::kFu3, p.status.running && hz >= store_.value(pr::kDetection3));
@@ -203,14 +214,16 @@ void A700Inverter::publish_family(OutputSignals& o) {
 
 void A700Inverter::add_command(drive::DriveCommand& command, drive::Sensors& sensors) {
   if (s_.asleep) command.direction = RunDirection::kStop;
-  if (!s_.reversed) {
-    follow_brake(command, sensors);
-    return;
+  if (s_.reversed) {
+    command.direction = command.direction == RunDirection::kForward   ? RunDirection::kReverse
+                        : command.direction == RunDirection::kReverse ? RunDirection::kForward
+                                                                      : RunDirection::kStop;
+    command.direction = mitsubishi::permitted(command.direction, store_.integer(pr::kReversePrevention));
   }
-  command.direction = command.direction == RunDirection::kForward   ? RunDirection::kReverse
-                      : command.direction == RunDirection::kReverse ? RunDirection::kForward
-                                                                    : RunDirection::kStop;
-  command.direction = mitsubishi::permitted(command.direction, store_.integer(pr::kReversePrevention));
+  follow_contactors(command);
+  follow_power_failure(command, sensors);
+  follow_regeneration(command, sensors);
+  follow_saving(command);
   follow_brake(command, sensors);
 }
 
@@ -273,7 +286,7 @@ Du07 A700Inverter::du07() const {
   d.volt = code == 3 || code == 8 || code == 12;
   const auto& rows = monitors();
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const MonitorRow& r) { return r.code == code; });
-  if (row != rows.end() && row->decimals == 0) {
+  if (row != rows.end() && monitor_decimals(*row) == 0) {
     char text[16];
     std::snprintf(text, sizeof text, "%.0f", std::min(value, 9999.0));
     d.digits = text;

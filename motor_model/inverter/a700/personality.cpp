@@ -59,35 +59,42 @@ constexpr std::array<CauseName, 12> kCauses{{
     {"thermistor", &Causes::thermistor},
     {"fan", &Causes::fan},
 }};
-constexpr std::array<std::string_view, 5> kCounters{"energized_seconds", "energy_joule", "line_errors",
-                                                    "maintenance_seconds", "network_frequency_0.01Hz"};
+constexpr std::array<std::string_view, 9> kCounters{
+    "energized_seconds", "energy_joule",   "line_errors",  "maintenance_seconds", "network_frequency_0.01Hz",
+    "saved_joule",       "saving_seconds", "energy_limit", "saving_mode"};
 
 }  // namespace
 
-const mitsubishi::Personality& personality() {
-  static const mitsubishi::Personality p{
-      .family = kFamily,
-      .data = &family_data(),
-      .inputs = kInputs,
-      .input_functions = "Pr.178-189 give to a terminal",
-      .outputs = kOutputs,
-      .analogs = kAnalogs,
-      .causes = kCauses,
-      .mode_writes = 3,
-      .clear_writes = 4,
-      .counters = kCounters,
+const mitsubishi::Personality& personality(bool large) {
+  const auto make = [](bool of_large) {
+    return mitsubishi::Personality{
+        .family = kFamily,
+        .data = &family_data(of_large),
+        .inputs = kInputs,
+        .input_functions = "Pr.178-189 give to a terminal",
+        .outputs = kOutputs,
+        .analogs = kAnalogs,
+        .causes = kCauses,
+        .mode_writes = 3,
+        .clear_writes = 4,
+        .counters = kCounters,
+    };
   };
-  return p;
+  static const mitsubishi::Personality small = make(false);
+  static const mitsubishi::Personality of_large = make(true);
+  return large ? of_large : small;
 }
 
 Result<std::unique_ptr<Inverter>, std::string> make_a700(const InverterConfig& config) {
   if (config.option_connector < 1 || config.option_connector > 3) {
     return Unexpected(std::string("option connector: takes 1 to 3"));
   }
-  auto prepared = mitsubishi::prepare(personality(), config);
+  const ModelRow* model = find_model(family_data().models, config.model);
+  const mitsubishi::Personality& p = personality(model != nullptr && model->motor_kw >= kLarge_kw);
+  auto prepared = mitsubishi::prepare(p, config);
   if (!prepared) return Unexpected(prepared.error());
   return std::unique_ptr<Inverter>(
-      std::make_unique<A700Inverter>(config, *prepared->model, std::move(prepared->store)));
+      std::make_unique<A700Inverter>(p, config, *prepared->model, std::move(prepared->store)));
 }
 
 }  // namespace vinv::inverter::a700

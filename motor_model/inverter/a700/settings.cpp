@@ -1,5 +1,6 @@
 // FR-A700 parameters to drive::DriveSettings, beyond what the families share. Typical for the family.
 #include <algorithm>
+#include <cmath>
 
 #include "motor_model/inverter/a700/inverter.hpp"
 #include "motor_model/inverter/a700/parameter_numbers.hpp"
@@ -16,6 +17,10 @@ enum Variant : std::uint32_t {
   kBoostForward = 2,    // X17 with Pr.14 = 4 and 5
   kSecondSPattern = 8,  // X20
   kHeldByX13 = 4,       // Pr.11 = 8888 and X13 on
+  kFailureStop = 16,    // deceleration at a power failure ...
+  kFailureSlow = 32,    // ... below Pr.266
+  kContact = 64,        // stop-on-contact ...
+  kContactSlow = 128,   // ... at low output frequency
 };
 
 void set_second_and_third(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
@@ -71,6 +76,40 @@ void set_vf_points(drive::DriveSettings& s, const ParameterStore& p) {
             [](const drive::VfPoint& a, const drive::VfPoint& b) { return a.frequency_hz < b.frequency_hz; });
 }
 
+// Pr.57, 58, 162 to 165, 299 and 611. Without an encoder 2 and 12 are 0 and 10.
+void set_restart(drive::DriveSettings& s, const ParameterStore& p) {
+  const int selection = p.integer(pr::kRestartSelection);
+  s.restart_method = selection % 10 == 1 ? drive::RestartMethod::kReducedVoltage : drive::RestartMethod::kSearch;
+  s.restart_at_every_start = selection >= 10 && s.restart_enabled;
+  s.restart_finds_direction =
+      p.is_9999(pr::kRestartDirection) ? p.integer(pr::kReversePrevention) == 0 : p.integer(pr::kRestartDirection) == 1;
+  s.restart_first_cushion_s = p.value(pr::kFirstCushionTime);
+  s.restart_first_voltage_percent = p.value(pr::kFirstCushionVoltage);
+  s.restart_stall_level_percent = p.value(pr::kRestartStallLevel);
+  s.restart_acceleration_s = or_else(p, pr::kRestartAcceleration, -1);
+}
+
+// Pr.264 to Pr.266.
+void set_failure_stop(drive::DriveSettings& s, const ParameterStore& p, bool slow) {
+  const double first_s = p.value(pr::kFailureDeceleration1);
+  s.deceleration_s = slow ? or_else(p, pr::kFailureDeceleration2, first_s) : first_s;
+  s.ramp_pattern = drive::RampPattern::kLinear;
+  s.shortest_deceleration = false;
+  s.stop_by_coasting = false;
+}
+
+// Pr.48, 275 and 276.
+void set_contact(drive::DriveSettings& s, const ParameterStore& p, bool slow) {
+  s.stall_level_percent = p.value(pr::kSecondStallLevel);
+  s.fast_current_limit = false;
+  s.flux_factor = or_else(p, pr::kContactExcitation, 100) / 100;
+  if (!slow || p.is_9999(pr::kContactCarrier)) return;
+  const double khz = p.value(pr::kContactCarrier);
+  s.carrier_hz = khz == 0 ? 700 : khz * 1000;
+}
+
+constexpr double kContactCarrier_hz = 3;  // output frequency up to which Pr.276 holds
+
 }  // namespace
 
 SettingsSelection A700Inverter::selection(const mitsubishi::Inputs& in) const {
@@ -85,7 +124,19 @@ SettingsSelection A700Inverter::selection(const mitsubishi::Inputs& in) const {
     s.second = settings_selection_.second;
     s.third = settings_selection_.third;
   }
-  if (has_function(InputSignal::kCs) && !in.signals.has(InputSignal::kCs)) s.variant |= kRestartOff;
+  // With the switch-over to the commercial supply CS has another meaning.
+  if (has_function(InputSignal::kCs) && !in.signals.has(InputSignal::kCs) && !drives_contactors()) {
+    s.variant |= kRestartOff;
+  }
+  const double output_hz = std::abs(core_.outputs().output_frequency_hz);
+  if (s_.supply.failure_stop.active()) {
+    s.variant |= kFailureStop;
+    if (output_hz < store_.value(pr::kFailureSwitchover)) s.variant |= kFailureSlow;
+  }
+  if (!jog && on_contact(in.signals)) {
+    s.variant |= kContact;
+    if (output_hz <= kContactCarrier_hz) s.variant |= kContactSlow;
+  }
   if (in.signals.has(InputSignal::kX17)) s.variant |= kBoostForward;
   if (in.signals.has(InputSignal::kX13)) s.variant |= kHeldByX13;
   if (in.signals.has(InputSignal::kX20)) s.variant |= kSecondSPattern;
@@ -127,6 +178,9 @@ drive::DriveSettings A700Inverter::make_settings(const SettingsSelection& select
   s.earth_fault_detection = true;
   if (p.integer(pr::kRegenerative) % 10 == 1) s.chopper_duty_percent = p.value(pr::kBrakeDuty);
   if ((selection.variant & kRestartOff) != 0) s.restart_enabled = false;
+  set_restart(s, p);
+  if ((selection.variant & kFailureStop) != 0) set_failure_stop(s, p, (selection.variant & kFailureSlow) != 0);
+  if ((selection.variant & kContact) != 0) set_contact(s, p, (selection.variant & kContactSlow) != 0);
   return s;
 }
 

@@ -8,10 +8,13 @@
 
 namespace vinv::inverter::a700 {
 
-const FamilyData& family_data() {
+const FamilyData& family_data(bool large) {
   static const FamilyData data = load_family({data::mitsubishi_a700_parameters, data::mitsubishi_a700_alarms,
                                               data::mitsubishi_a700_terminals, data::mitsubishi_a700_models});
-  return data;
+  static const FamilyData large_data =
+      load_family({data::mitsubishi_a700_parameters, data::mitsubishi_a700_alarms, data::mitsubishi_a700_terminals,
+                   data::mitsubishi_a700_models, data::mitsubishi_a700_large_models});
+  return large ? large_data : data;
 }
 
 Result<std::vector<MonitorRow>, std::string> load_monitors(std::string_view csv) {

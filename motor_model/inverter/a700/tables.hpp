@@ -9,7 +9,9 @@
 
 namespace vinv::inverter::a700 {
 
-const FamilyData& family_data();
+// Models of 75K and up have other increments and ranges, and currents and powers in tenths (large_models.csv).
+inline constexpr double kLarge_kw = 75;
+const FamilyData& family_data(bool large = false);
 
 // A value that the network and the panel may watch. FR-A7NE manual 7.2.1, 7.6, 7.13.
 struct MonitorRow {

@@ -110,6 +110,9 @@ class MitsubishiInverter : public Inverter, protected port::DrivePort {
   Result<std::uint32_t, port::Refusal> read_parameter(port::ParameterId id) const override;
   port::AlarmHistory alarm_history() const override { return record_.alarms; }
   std::uint8_t active_alarm() const override;
+  port::DriveFacts facts() const override {
+    return {.voltage_class_v = static_cast<std::uint16_t>(model_.voltage_class_v)};
+  }
   port::NetTerminals start_signals() const override;
   std::uint32_t storage_failures() const override { return v_.storage_failures; }
   port::WriteOutcome post_write(Instant now, const port::WriteRequest& request) override;

@@ -155,7 +155,7 @@ drive::DriveSettings common_settings(const ParameterStore& p, const SettingsSele
   s.stop_by_coasting = stop.coasting && !selection.jog;
   s.coast_delay_s = stop.coast_delay_s;
   const int carrier = p.integer(pr::kCarrier);
-  s.carrier_hz = carrier == 0 ? 700 : carrier == 15 ? 14500 : carrier * 1000.0;
+  s.carrier_hz = carrier == 0 ? 700 : carrier == 15 ? 14500 : carrier == 25 ? 2500 : carrier * 1000.0;
   return s;
 }
 

@@ -30,7 +30,14 @@ const ParameterRow& row(unsigned number, unsigned sub = 0) {
   return table()
       .rows()[*table().index(port::ParameterId{static_cast<std::uint16_t>(number), static_cast<std::uint8_t>(sub)})];
 }
-ParameterStore store_of(std::string_view model) { return {table(), *find_model(a700::family_data().models, model)}; }
+// Models of 75K and up have a table of their own.
+const ParameterTable& table_of(const ModelRow& model) {
+  return a700::family_data(model.motor_kw >= a700::kLarge_kw).parameters;
+}
+ParameterStore store_of(std::string_view name) {
+  const ModelRow& model = *find_model(a700::family_data().models, name);
+  return {table_of(model), model};
+}
 
 TEST(A700Parameters, EveryReferenceRowIsCarriedWithRangeDefaultAndAccess) {
   const CsvTable rows = reference("a700_parameters_reference.csv");
@@ -78,9 +85,9 @@ TEST(A700Parameters, EveryRangeFitsOneWord) {
 
 TEST(A700Parameters, EveryFactoryValueOfEveryModelIsAccepted) {
   for (const ModelRow& model : a700::family_data().models) {
-    const auto defaults = table().defaults(model);
+    const auto defaults = table_of(model).defaults(model);
     for (std::size_t i = 0; i < defaults.size(); ++i) {
-      const ParameterRow& r = table().rows()[i];
+      const ParameterRow& r = table_of(model).rows()[i];
       if (r.kind == ParameterKind::kManufacturer) continue;
       EXPECT_TRUE(r.accepts(defaults[i])) << model.model << " " << r.label << " " << defaults[i];
     }
@@ -101,6 +108,40 @@ TEST(A700Parameters, DefaultsFollowTheModel) {
   EXPECT_EQ(value("FR-A740-15K", 883), 760);
   EXPECT_EQ(value("FR-A740-15K", 893), 15);
   EXPECT_EQ(value("FR-A740-15K", 12), 2);
+  EXPECT_EQ(value("FR-A740-55K", 9), 110);
+  EXPECT_EQ(value("FR-A740-55K", 1), 120);
+  EXPECT_EQ(value("FR-A740-75K", 0), 1);
+  EXPECT_EQ(value("FR-A740-75K", 1), 60);
+  EXPECT_EQ(value("FR-A740-75K", 7), 15);
+  EXPECT_EQ(value("FR-A740-75K", 9), 144);
+  EXPECT_EQ(value("FR-A740-75K", 12), 1);
+  EXPECT_EQ(value("FR-A740-75K", 18), 60);
+  EXPECT_EQ(value("FR-A740-75K", 611), 15);
+  EXPECT_EQ(value("FR-A740-75K", 893), 75);
+}
+
+TEST(A700Parameters, LargeModelsCountCurrentsAndPowersInTenths) {
+  const ParameterTable& large = a700::family_data(true).parameters;
+  const auto at = [&](unsigned number) {
+    return large.rows()[*large.index(port::ParameterId{static_cast<std::uint16_t>(number), 0})];
+  };
+  for (unsigned number : {9u, 51u, 56u, 61u, 80u, 82u, 453u, 455u, 557u, 859u, 860u, 893u}) {
+    EXPECT_EQ(at(number).decimals, 1) << number;
+    EXPECT_EQ(at(number).raw_maximum, 36000) << number;
+    EXPECT_EQ(row(number).decimals, 2) << number;
+  }
+  EXPECT_EQ(at(57).raw_maximum, 300);
+  EXPECT_EQ(at(70).raw_maximum, 100);
+  EXPECT_EQ(at(276).raw_maximum, 4);
+  EXPECT_TRUE(at(72).accepts(25));
+  EXPECT_FALSE(at(72).accepts(7));
+  EXPECT_FALSE(row(72).accepts(25));
+  ParameterTable copy = table();
+  EXPECT_FALSE(copy.take_ranges("pr,increment,min,max,allowed\n9,0.3,0,1,\n").has_value());
+  EXPECT_FALSE(copy.take_ranges("pr,increment,min,max,allowed\n999,1,0,1,\n").has_value());
+  EXPECT_FALSE(copy.take_ranges("pr,increment,min,max,allowed\n9,1,5,1,\n").has_value());
+  EXPECT_FALSE(copy.take_ranges("pr,increment,min,max,allowed\n9,1,5,6,\n").has_value()) << "default outside";
+  EXPECT_FALSE(copy.take_ranges("pr,increment,min,max,allowed\n72,1,0,9,x\n").has_value());
 }
 
 TEST(A700Parameters, AllowedSetsHaveHoles) {
@@ -243,7 +284,7 @@ TEST(A700Monitors, AreThoseOfTheManual) {
 
 TEST(A700Models, AreThoseOfTheFamilyWithCircuitsThatGrow) {
   const auto& models = a700::family_data().models;
-  ASSERT_EQ(models.size(), 18u);
+  ASSERT_EQ(models.size(), 34u);
   for (std::size_t i = 1; i < models.size(); ++i) {
     if (models[i].voltage_class_v != models[i - 1].voltage_class_v) continue;
     EXPECT_GT(models[i].rated_current_a_rms, models[i - 1].rated_current_a_rms) << models[i].model;
