@@ -17,7 +17,7 @@
 #include "sim/transports/memory_network.hpp"
 #include "tests/option_boards/ethernet_ip/adapter_bench.hpp"
 #include "tests/sim/transports/loop_thread.hpp"
-#include "tests/sim/transports/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/eip_scanner.hpp"
 
 namespace vinv::rig {
@@ -305,7 +305,7 @@ TEST_F(MemoryAdapter, ConnectionWorksAndALostLinkTimesItOut) {
 // What tshark thinks of everything that the adapter sends: no complaint, and the connection's packets are known as
 // such.
 TEST_F(MemoryAdapter, TsharkDissectsARecordingWithoutAComplaint) {
-  const transports::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "enip.pcapng";
   {
     const auto recorder = transports::IpRecorder::open(path);
