@@ -11,7 +11,7 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
     : file_(std::move(file)),
       scheduler_(scheduler),
       clock_(std::move(options.clock)),
-      net_(scheduler),
+      streams_(scheduler),
       lines_(file_.serial.size()),
       drives_on_line_(file_.serial.size()),
       serial_taps_(file_.serial.size(), WireTap(scheduler)),

@@ -21,7 +21,7 @@
 #include "sim/rig/plant_file.hpp"
 #include "sim/rig/tcp_port.hpp"
 #include "sim/rig/wire_tap.hpp"
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 namespace vinv::rig {
 
@@ -62,7 +62,7 @@ class Plant {
   void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
   // Lines in memory that snapshots hold, for masters in virtual time.
-  transports::MemoryNet& net() { return net_; }
+  transports::MemoryStreams& streams() { return streams_; }
   CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
   // The bus that the drive's board hangs on; nullptr if none.
   CanLine* can_line_of(const DriveUnit& drive);
@@ -83,7 +83,7 @@ class Plant {
   // --- snapshots of a plant in virtual time (docs/decisions/0005-snapshots.md) ---
 
   // Why none can be taken now, a sentence; empty if one can: before the first tick, and right after each tick on the
-  // inverters' grid, as long as nobody outside the plant is connected to it. Lines in memory of net() are inside.
+  // inverters' grid, as long as nobody outside the plant is connected to it. Lines in memory of streams() are inside.
   std::string snapshot_objection() const;
   // All of it, fault plans and random numbers included. Refused with snapshot_objection().
   Result<void, std::string> save(Bytes& out);
@@ -93,8 +93,8 @@ class Plant {
   // Another PlantOptions::seed from here on: a continuation with other luck.
   void reseed(std::uint64_t seed);
   // As a part of a larger snapshot, with scheduler and net: the owner asks snapshot_objection() before it saves or
-  // loads, archives its own ends of lines and its events after the plant, and then calls MemoryNet::archive_owners()
-  // and Scheduler::archive_waiting().
+  // loads, archives its own ends of lines and its events after the plant, and then calls
+  // MemoryStreams::archive_owners() and Scheduler::archive_waiting().
   friend void archive(Archive& a, Plant& plant) { plant.archive_state(a); }
 
  private:
@@ -116,7 +116,7 @@ class Plant {
   kernel::Scheduler& scheduler_;
   std::function<Instant()> clock_;
   std::vector<std::unique_ptr<DriveUnit>> drives_;
-  transports::MemoryNet net_;
+  transports::MemoryStreams streams_;
   std::vector<BoardLine> lines_;
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;

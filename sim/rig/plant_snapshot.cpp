@@ -14,7 +14,7 @@ struct Whole {
   kernel::Scheduler& scheduler;
   friend void archive(Archive& a, Whole& whole) {
     a.io(whole.plant);
-    whole.plant.net().archive_owners(a);
+    whole.plant.streams().archive_owners(a);
     whole.scheduler.archive_waiting(a);
   }
 };
@@ -86,16 +86,16 @@ void Plant::archive_drive(Archive& a, DriveUnit& drive) {
 
 void Plant::archive_state(Archive& a) {
   // Who is on which line is what the file says.
-  VINV_MEMBERS(*this, file, scheduler, clock, drives, net, lines, drives_on_line, ports, buses, serial_taps, tcp_taps,
-               tick_event, ticks);
+  VINV_MEMBERS(*this, file, scheduler, clock, drives, streams, lines, drives_on_line, ports, buses, serial_taps,
+               tcp_taps, tick_event, ticks);
   a.must_match("plant", signature());
   a.io(scheduler);
-  a.io(net);
+  a.io(streams);
   if (a.loads())
     for (const auto& port : ports) port->drop();
   for (const auto& d : drives) archive_drive(a, *d);
-  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].archive(a, net, serial_taps[i], traffic_of(i));
-  for (std::size_t i = 0; i < ports.size(); ++i) ports[i]->archive(a, net, tcp_taps[i]);
+  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].archive(a, streams, serial_taps[i], traffic_of(i));
+  for (std::size_t i = 0; i < ports.size(); ++i) ports[i]->archive(a, streams, tcp_taps[i]);
   for (WireTap& tap : serial_taps) a.io(tap);
   for (WireTap& tap : tcp_taps) a.io(tap);
   for (const auto& bus : buses) a.io(*bus);

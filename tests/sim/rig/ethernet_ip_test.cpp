@@ -13,8 +13,8 @@
 
 #include "sim/rig/live_ethernet_ip.hpp"
 #include "sim/transports/ip_recorder.hpp"
+#include "sim/transports/memory_datagrams.hpp"
 #include "sim/transports/memory_link.hpp"
-#include "sim/transports/memory_network.hpp"
 #include "tests/option_boards/ethernet_ip/adapter_bench.hpp"
 #include "tests/sim/transports/loop_thread.hpp"
 #include "tests/sim/transports/temporary_folder.hpp"
@@ -253,7 +253,7 @@ class MemoryAdapter : public ::testing::Test {
  protected:
   static constexpr std::uint32_t kTarget = ipv4(192, 168, 1, 10), kMaster = ipv4(192, 168, 1, 1);
   kernel::Scheduler scheduler;
-  transports::MemoryNetwork network{scheduler, 100us};
+  transports::MemoryDatagrams network{scheduler, 100us};
   test::FakeDevice device;
   ethernet_ip::Adapter adapter{device, {}};
 };
