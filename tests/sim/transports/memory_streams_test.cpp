@@ -1,5 +1,5 @@
 // Lines in memory are saved with everything under way, and go on between other owners as if nothing had been.
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 #include <gtest/gtest.h>
 
@@ -86,7 +86,7 @@ struct Bench {
   }
 
   kernel::Scheduler scheduler;
-  MemoryNet net{scheduler};
+  MemoryStreams net{scheduler};
   std::array<Owner, 8> owners;
 };
 
@@ -128,7 +128,7 @@ TEST_P(MemoryNetSnapshot, LinesInterruptedAfterEachStepGoOnAsThoseThatAreNot) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, MemoryNetSnapshot, testing::Range<std::uint64_t>(1, 6));
 
-TEST(MemoryNet, AForgedSnapshotLeavesTheLinesAsTheyWere) {
+TEST(MemoryStreams, AForgedSnapshotLeavesTheLinesAsTheyWere) {
   Bench one;
   for (int i = 0; i < 60; ++i) story(one, 9);
   const Bytes before = save_snapshot(one);
@@ -153,10 +153,10 @@ TEST(MemoryNet, AForgedSnapshotLeavesTheLinesAsTheyWere) {
   EXPECT_GT(refused, 50);
 }
 
-TEST(MemoryNet, AStreamWithoutOwnerAfterTheLoadIsARefusal) {
+TEST(MemoryStreams, AStreamWithoutOwnerAfterTheLoadIsARefusal) {
   struct Forgetful {
     kernel::Scheduler scheduler;
-    MemoryNet net{scheduler};
+    MemoryStreams net{scheduler};
     MemoryLink link = net.connect();
     bool both = true;
     static void archive_all(Archive& a, Forgetful& f) {
