@@ -8,7 +8,7 @@
 namespace vinv::masters {
 
 ModbusStation::ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSettings& settings, Dial dial,
-                             transports::MemoryNet* net)
+                             transports::MemoryStreams* net)
     : Station(scheduler), master_(settings), dial_(std::move(dial)), net_(net), runner_(*this) {
   connect(scheduler.now());
   settle(scheduler.now());

@@ -8,7 +8,7 @@
 #include "sim/masters/modbus_master.hpp"
 #include "sim/masters/station.hpp"
 #include "sim/transports/byte_stream.hpp"
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 namespace vinv::masters {
 
@@ -23,7 +23,7 @@ class ModbusStation : public Station, private Access {
   // again when it was closed, or when a request on it got no answer, as a half-open one must be.
   // net: what dial connects through, for snapshots; it outlives the station.
   ModbusStation(kernel::Scheduler& scheduler, const ModbusMasterSettings& settings, Dial dial,
-                transports::MemoryNet* net = nullptr);
+                transports::MemoryStreams* net = nullptr);
   ~ModbusStation() override;
 
   bool send_frame(Instant now, ByteView frame) override;
@@ -59,7 +59,7 @@ class ModbusStation : public Station, private Access {
 
   ModbusMaster master_;
   Dial dial_;
-  transports::MemoryNet* net_;
+  transports::MemoryStreams* net_;
   std::unique_ptr<transports::ByteStream> stream_;
   WordRunner runner_;
   struct State {

@@ -43,11 +43,11 @@ void BoardLine::follow_settings() {
   options_.on_settings(wanted);
 }
 
-void BoardLine::archive(Archive& a, transports::MemoryNet& net, WireTap& tap, const OnTraffic& on_traffic) {
+void BoardLine::archive(Archive& a, transports::MemoryStreams& streams, WireTap& tap, const OnTraffic& on_traffic) {
   // Lines in memory have no options, and nobody to tell settings to.
   VINV_MEMBERS(*this, channels, stream, options, traffic, told);
   std::unique_ptr<transports::ByteStream> none;
-  net.archive_end(a, is_outside() ? none : stream);
+  streams.archive_end(a, is_outside() ? none : stream);
   if (!a.loads() || a.failed()) return;
   options = {};
   told.reset();

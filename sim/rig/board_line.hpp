@@ -10,7 +10,7 @@
 #include "option_boards/boards/option_board.hpp"
 #include "sim/rig/wire_tap.hpp"
 #include "sim/transports/byte_stream.hpp"
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 namespace vinv::rig {
 
@@ -42,7 +42,7 @@ class BoardLine {
   bool is_outside() const { return stream_ != nullptr && stream_->end_number() == 0; }
   // Snapshots: after the boards and the net of which the line's carrier is, if any. A load wraps it anew by the tap,
   // which is archived after it.
-  void archive(Archive& a, transports::MemoryNet& net, WireTap& tap, const OnTraffic& on_traffic);
+  void archive(Archive& a, transports::MemoryStreams& streams, WireTap& tap, const OnTraffic& on_traffic);
 
  private:
   void listen();

@@ -21,7 +21,8 @@
 #include "sim/rig/plant_file.hpp"
 #include "sim/rig/tcp_port.hpp"
 #include "sim/rig/wire_tap.hpp"
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_datagrams.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 namespace vinv::rig {
 
@@ -62,10 +63,20 @@ class Plant {
   void connect_serial(std::size_t line, std::unique_ptr<transports::ByteStream> stream, LineOptions options = {});
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
   // Lines in memory that snapshots hold, for masters in virtual time.
-  transports::MemoryNet& net() { return net_; }
+  transports::MemoryStreams& streams() { return streams_; }
+  // The Ethernet in virtual time: adapters at the addresses of the plant file, masters at any other one. UDP ports of
+  // masters are opened here; faults and cables are those of the drive's EthernetIpPort.
+  transports::MemoryDatagrams& datagrams() { return datagrams_; }
+  // A line in memory to the TCP port of the adapter at this address; nullptr if there is none.
+  std::unique_ptr<transports::ByteStream> connect_tcp(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to,
+                                                      const transports::MemoryLinkOptions& options = {});
+  // The drive whose adapter is reached at this address; nullptr if there is none.
+  DriveUnit* find_address(std::uint32_t address);
   CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
   // The bus that the drive's board hangs on; nullptr if none.
   CanLine* can_line_of(const DriveUnit& drive);
+  // The cable of the drive's board on Ethernet. False: it has none.
+  bool plug_ethernet(DriveUnit& drive, bool plugged);
   // Where faults go on the serial line and the TCP port of the drive; nullptr if it has none.
   WireTap* serial_tap_of(const DriveUnit& drive);
   WireTap* tcp_tap_of(const DriveUnit& drive);
@@ -83,7 +94,7 @@ class Plant {
   // --- snapshots of a plant in virtual time (docs/decisions/0005-snapshots.md) ---
 
   // Why none can be taken now, a sentence; empty if one can: before the first tick, and right after each tick on the
-  // inverters' grid, as long as nobody outside the plant is connected to it. Lines in memory of net() are inside.
+  // inverters' grid, as long as nobody outside the plant is connected to it. Lines in memory of streams() are inside.
   std::string snapshot_objection() const;
   // All of it, fault plans and random numbers included. Refused with snapshot_objection().
   Result<void, std::string> save(Bytes& out);
@@ -93,8 +104,8 @@ class Plant {
   // Another PlantOptions::seed from here on: a continuation with other luck.
   void reseed(std::uint64_t seed);
   // As a part of a larger snapshot, with scheduler and net: the owner asks snapshot_objection() before it saves or
-  // loads, archives its own ends of lines and its events after the plant, and then calls MemoryNet::archive_owners()
-  // and Scheduler::archive_waiting().
+  // loads, archives its own ends of lines and its events after the plant, and then calls
+  // MemoryStreams::archive_owners() and Scheduler::archive_waiting().
   friend void archive(Archive& a, Plant& plant) { plant.archive_state(a); }
 
  private:
@@ -102,11 +113,13 @@ class Plant {
   [[noreturn]] void refuse(Position at, const std::string& drive, const std::string& message) const;
   void first_parameters(DriveUnit& drive);
   void inputs(DriveUnit& drive);
-  void wire(DriveUnit& drive);
+  void wire(DriveUnit& drive, std::uint64_t seed);
   void tick(Instant now);
   void settle(Instant now, DriveUnit& drive);
   void follow_power(Instant now, DriveUnit& drive);
   void board_timeout(Instant now, DriveUnit& drive);
+  void follow_ethernet(Instant now, DriveUnit& drive);
+  void claim_address(Instant now, DriveUnit& drive, std::uint32_t address);
   BoardLine::OnTraffic traffic_of(std::size_t line);
   void archive_state(Archive& a);
   void archive_drive(Archive& a, DriveUnit& drive);
@@ -115,8 +128,9 @@ class Plant {
   PlantFile file_;
   kernel::Scheduler& scheduler_;
   std::function<Instant()> clock_;
+  transports::MemoryDatagrams datagrams_;
   std::vector<std::unique_ptr<DriveUnit>> drives_;
-  transports::MemoryNet net_;
+  transports::MemoryStreams streams_;
   std::vector<BoardLine> lines_;
   std::vector<std::vector<DriveUnit*>> drives_on_line_;
   std::vector<std::unique_ptr<TcpPort>> ports_;

@@ -60,7 +60,7 @@ std::size_t TcpPort::outside() const {
   }));
 }
 
-void TcpPort::archive(Archive& a, transports::MemoryNet& net, WireTap& tap) {
+void TcpPort::archive(Archive& a, transports::MemoryStreams& streams, WireTap& tap) {
   // One that is closed waits only for being forgotten.
   VINV_MEMBERS(*this, scheduler, units, connections, next_client);
   std::vector<Connection*> held;
@@ -72,12 +72,12 @@ void TcpPort::archive(Archive& a, transports::MemoryNet& net, WireTap& tap) {
     modbus::ClientId client = a.loads() ? 0 : held[i]->client;
     a.io(client);
     if (!a.loads()) {
-      net.archive_end(a, held[i]->stream);
+      streams.archive_end(a, held[i]->stream);
       a.io(held[i]->session);
       continue;
     }
     std::unique_ptr<transports::ByteStream> stream;
-    net.archive_end(a, stream);
+    streams.archive_end(a, stream);
     a.require(stream != nullptr && client < next_client, "a connection is none");
     if (a.failed()) break;
     connections.push_back(std::make_unique<Connection>(tap.wrap(std::move(stream)), client, units));

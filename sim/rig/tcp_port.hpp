@@ -12,7 +12,7 @@
 #include "sim/kernel/scheduler.hpp"
 #include "sim/rig/wire_tap.hpp"
 #include "sim/transports/byte_stream.hpp"
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 namespace vinv::rig {
 
@@ -35,7 +35,7 @@ class TcpPort {
   void drop();
   // Snapshots: after the units and the net of which the connections are. A load is for a port without any; it wraps
   // them anew by the tap, which is archived after it.
-  void archive(Archive& a, transports::MemoryNet& net, WireTap& tap);
+  void archive(Archive& a, transports::MemoryStreams& streams, WireTap& tap);
 
  private:
   struct Connection {

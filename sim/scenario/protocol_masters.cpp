@@ -9,7 +9,7 @@
 #include "sim/masters/modbus_station.hpp"
 #include "sim/rig/quantity.hpp"
 #include "sim/rig/words.hpp"
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 namespace vinv::scenario {
 namespace {
@@ -315,11 +315,11 @@ class ProtocolMaster : public Master, private State {
         made = std::make_unique<masters::ModbusStation>(
             scheduler, settings,
             [&plant, wire, character](Instant) {
-              auto [board, master] = plant.net().connect({.character = character});
+              auto [board, master] = plant.streams().connect({.character = character});
               plant.connect_serial(wire, std::move(board));
               return std::move(master);
             },
-            &plant.net());
+            &plant.streams());
         record.kind = WireRecord::Kind::kSerial;
         record.network = plant.file().serial[wire].name;
         break;
@@ -331,11 +331,11 @@ class ProtocolMaster : public Master, private State {
         made = std::make_unique<masters::ModbusStation>(
             scheduler, settings,
             [&plant, wire](Instant at) {
-              auto [board, master] = plant.net().connect({.delay = kTcpDelay});
+              auto [board, master] = plant.streams().connect({.delay = kTcpDelay});
               plant.accept_tcp(wire, at, std::move(board));
               return std::move(master);
             },
-            &plant.net());
+            &plant.streams());
         record.kind = WireRecord::Kind::kTcp;
         record.network = "modbus_tcp";
         break;

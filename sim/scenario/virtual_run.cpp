@@ -25,7 +25,7 @@ struct Whole {
     whole.runner.archive_masters(a);
     a.io(whole.plant);
     a.io(whole.runner);
-    whole.plant.net().archive_owners(a);
+    whole.plant.streams().archive_owners(a);
     whole.plant.scheduler().archive_waiting(a);
   }
 };

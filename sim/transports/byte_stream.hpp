@@ -28,7 +28,7 @@ class ByteStream {
   virtual void close() = 0;
   // "127.0.0.1:40312", "/dev/pts/5".
   virtual std::string name() const = 0;
-  // Of a line in memory that snapshots hold (memory_net.hpp), also from what is around such a stream; 0: none.
+  // Of a line in memory that snapshots hold (memory_streams.hpp), also from what is around such a stream; 0: none.
   virtual std::uint32_t end_number() const { return 0; }
 };
 

@@ -66,7 +66,7 @@ void CipUnit::start() {
   state_.supply = Supply::kOn;
   state_.started = true;
   state_.was_ready = true;
-  state_.network = settings_at_start(state_.startup, state_.flash, config_.lease);
+  state_.network = settings_at_start(state_.startup, state_.flash, config_.ethernet.lease);
   state_.assemblies = assemblies_of(state_.startup.pr346);
   state_.control_from_net_at_start = control_from_net();
   look_for_link();

@@ -26,9 +26,7 @@ namespace vinv::boards::fr_a7ne {
 
 struct CipUnitConfig {
   std::uint32_t serial_number = 1;
-  std::array<std::uint8_t, 6> mac{};
-  IpConfiguration lease;     // what a DHCP server would give
-  LineSetting line_partner;  // the other end of the cable
+  EthernetSurroundings ethernet;
   Timing timing = Timing::real();
 };
 
@@ -66,7 +64,7 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   // Supplied and started; the network sees nothing of it before.
   bool online() const { return state_.supply == Supply::kOn; }
   const NetworkSettings& network() const { return state_.network; }
-  LineState line() const { return line_state(state_.network.line, config_.line_partner); }
+  LineState line() const { return line_state(state_.network.line, config_.ethernet.line_partner); }
   // The cable is plugged and the other end is alive. A link that was there and is lost is a line error (4.5.1); one
   // that has not been there since the start is not (chapter 8: the panel shows 0.00, the LED is off).
   void set_link(Instant now, bool up);

@@ -23,7 +23,7 @@ using std::chrono::milliseconds;
 // Holds 65536 registers, and answers late, in two pieces, wrongly, by an exception, not at all or by hanging up.
 class Peer {
  public:
-  Peer(kernel::Scheduler& scheduler, transports::MemoryNet& net, bool tcp)
+  Peer(kernel::Scheduler& scheduler, transports::MemoryStreams& net, bool tcp)
       : scheduler_(scheduler), net_(net), tcp_(tcp) {}
 
   void take(std::unique_ptr<transports::ByteStream> stream) {
@@ -96,7 +96,7 @@ class Peer {
   }
 
   kernel::Scheduler& scheduler_;
-  transports::MemoryNet& net_;
+  transports::MemoryStreams& net_;
   bool tcp_;
   std::unique_ptr<transports::ByteStream> stream_;
   std::map<std::uint16_t, std::uint16_t> registers_;
@@ -187,7 +187,7 @@ struct Bench {
   }
 
   kernel::Scheduler scheduler;
-  transports::MemoryNet net{scheduler};
+  transports::MemoryStreams net{scheduler};
   Peer peer;
   std::unique_ptr<ModbusStation> station;
   std::string log;

@@ -68,23 +68,23 @@ struct PlantBench {
         scheduler, settings,
         [this, settings](Instant) {
           auto [board, master] =
-              plant.net().connect({.character = std::chrono::nanoseconds(std::int64_t{1'000'000'000} *
-                                                                         settings.bits_per_character / settings.baud)});
+              plant.streams().connect({.character = std::chrono::nanoseconds(
+                                           std::int64_t{1'000'000'000} * settings.bits_per_character / settings.baud)});
           plant.connect_serial(*mill().spec.board->serial, std::move(board));
           return std::move(master);
         },
-        &plant.net());
+        &plant.streams());
   }
   std::unique_ptr<masters::ModbusStation> tcp_master(masters::ModbusMasterSettings settings = {}) {
     settings.framing = masters::ModbusFraming::kTcp;
     return std::make_unique<masters::ModbusStation>(
         scheduler, settings,
         [this](Instant at) {
-          auto [board, master] = plant.net().connect({.delay = std::chrono::microseconds(100)});
+          auto [board, master] = plant.streams().connect({.delay = std::chrono::microseconds(100)});
           plant.accept_tcp(*mill().spec.board->tcp, at, std::move(board));
           return std::move(master);
         },
-        &plant.net());
+        &plant.streams());
   }
   transports::CanBus& bus() { return plant.can_line_of(mill())->bus(); }
   std::unique_ptr<masters::CanopenStation> canopen_master(const masters::CanopenMasterSettings& settings = {}) {

@@ -60,7 +60,7 @@ struct Stage {
     a.io(stage.told);
     a.io(stage.busy);
     a.io(stage.give_up_at);
-    stage.bench.plant.net().archive_owners(a);
+    stage.bench.plant.streams().archive_owners(a);
     stage.bench.scheduler.archive_waiting(a);
   }
 

@@ -26,7 +26,7 @@ struct A700Holder {
       EXPECT_TRUE(inverter->preset_parameter(name, value));
     for (const auto& [name, value] : settings) EXPECT_TRUE(inverter->preset_parameter(name, value)) << name;
     boards::fr_a7ne::CipUnitConfig board;
-    board.lease.address = ipv4(127, 0, 0, 5);
+    board.ethernet.lease.address = ipv4(127, 0, 0, 5);
     unit = std::make_unique<boards::fr_a7ne::CipUnit>(inverter->port(), board);
   }
   std::unique_ptr<inverter::Inverter> inverter;

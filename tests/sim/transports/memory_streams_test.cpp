@@ -1,5 +1,5 @@
 // Lines in memory are saved with everything under way, and go on between other owners as if nothing had been.
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 #include <gtest/gtest.h>
 
@@ -87,7 +87,7 @@ struct Bench {
   }
 
   kernel::Scheduler scheduler;
-  MemoryNet net{scheduler};
+  MemoryStreams net{scheduler};
   std::array<Owner, 8> owners;
 };
 
@@ -115,7 +115,7 @@ TEST_P(MemoryNetSnapshot, LinesInterruptedAfterEachStepGoOnAsThoseThatAreNot) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, MemoryNetSnapshot, testing::Range<std::uint64_t>(1, 6));
 
-TEST(MemoryNet, AForgedSnapshotLeavesTheLinesAsTheyWere) {
+TEST(MemoryStreams, AForgedSnapshotLeavesTheLinesAsTheyWere) {
   Bench one;
   for (int i = 0; i < 60; ++i) story(one, 9);
   Bench other;
@@ -123,10 +123,10 @@ TEST(MemoryNet, AForgedSnapshotLeavesTheLinesAsTheyWere) {
   expect_forged_leave_no_trace(one, save_snapshot(other), 500, 5, 50, [](Bench& b) { story(b, 1); });
 }
 
-TEST(MemoryNet, AStreamWithoutOwnerAfterTheLoadIsARefusal) {
+TEST(MemoryStreams, AStreamWithoutOwnerAfterTheLoadIsARefusal) {
   struct Forgetful {
     kernel::Scheduler scheduler;
-    MemoryNet net{scheduler};
+    MemoryStreams net{scheduler};
     MemoryLink link = net.connect();
     bool both = true;
     static void archive_all(Archive& a, Forgetful& f) {

@@ -1,5 +1,5 @@
 // A UDP network in memory.
-#include "sim/transports/memory_network.hpp"
+#include "sim/transports/memory_datagrams.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kA = ipv4(10, 0, 0, 1), kB = ipv4(10, 0, 0, 2), kC = ipv4(10, 0, 1, 3);
 
-class MemoryNetworkTest : public ::testing::Test {
+class MemoryDatagramsTest : public ::testing::Test {
  protected:
-  std::unique_ptr<UdpPort> open(std::uint32_t address, std::uint16_t port, MemoryNetwork* on = nullptr) {
+  std::unique_ptr<UdpPort> open(std::uint32_t address, std::uint16_t port, MemoryDatagrams* on = nullptr) {
     auto opened = (on != nullptr ? *on : network).open({address, port});
     EXPECT_TRUE(opened);
     auto p = std::move(*opened);
@@ -36,11 +36,11 @@ class MemoryNetworkTest : public ::testing::Test {
     return std::exchange(heard, {});
   }
   kernel::Scheduler scheduler;
-  MemoryNetwork network{scheduler, 2ms};
+  MemoryDatagrams network{scheduler, 2ms};
   std::vector<std::string> heard;
 };
 
-TEST_F(MemoryNetworkTest, DatagramsArriveInOrderAfterTheDelay) {
+TEST_F(MemoryDatagramsTest, DatagramsArriveInOrderAfterTheDelay) {
   const auto a = open(kA, 100), b = open(kB, 200);
   send(*a, {kB, 200}, "one");
   send(*a, {kB, 200}, "two");
@@ -50,7 +50,7 @@ TEST_F(MemoryNetworkTest, DatagramsArriveInOrderAfterTheDelay) {
                                                  "3 10.0.0.1:100 from 10.0.0.2 three"}));
 }
 
-TEST_F(MemoryNetworkTest, NobodyThereIsLoss) {
+TEST_F(MemoryDatagramsTest, NobodyThereIsLoss) {
   const auto a = open(kA, 100);
   send(*a, {kB, 200}, "one");
   send(*a, {kA, 101}, "two");
@@ -58,7 +58,7 @@ TEST_F(MemoryNetworkTest, NobodyThereIsLoss) {
   EXPECT_EQ(network.lost(), 2u);
 }
 
-TEST_F(MemoryNetworkTest, MulticastReachesMembersOnThePort) {
+TEST_F(MemoryDatagramsTest, MulticastReachesMembersOnThePort) {
   const auto a = open(kA, 100), b = open(kB, 2222), c = open(kC, 2222), d = open(kC, 2223);
   const std::uint32_t group = ipv4(239, 192, 1, 0);
   ASSERT_TRUE(b->join(group));
@@ -71,7 +71,7 @@ TEST_F(MemoryNetworkTest, MulticastReachesMembersOnThePort) {
   EXPECT_TRUE(run(10ms).empty());
 }
 
-TEST_F(MemoryNetworkTest, BroadcastsReachTheOthersOfTheNetwork) {
+TEST_F(MemoryDatagramsTest, BroadcastsReachTheOthersOfTheNetwork) {
   const auto a = open(kA, 7), b = open(kB, 7), c = open(kC, 7);
   send(*a, {0xffffffff, 7}, "all");
   EXPECT_EQ(run(10ms).size(), 2u);
@@ -81,7 +81,7 @@ TEST_F(MemoryNetworkTest, BroadcastsReachTheOthersOfTheNetwork) {
   EXPECT_EQ(run(10ms).size(), 2u);
 }
 
-TEST_F(MemoryNetworkTest, UnpluggedHostNeitherSendsNorHears) {
+TEST_F(MemoryDatagramsTest, UnpluggedHostNeitherSendsNorHears) {
   const auto a = open(kA, 7), b = open(kB, 7);
   send(*a, {kB, 7}, "under way");
   network.set_link(kB, false);
@@ -92,28 +92,28 @@ TEST_F(MemoryNetworkTest, UnpluggedHostNeitherSendsNorHears) {
   EXPECT_EQ(run(10ms).size(), 1u);
 }
 
-TEST_F(MemoryNetworkTest, AddressIsTakenOnce) {
+TEST_F(MemoryDatagramsTest, AddressIsTakenOnce) {
   auto a = open(kA, 7);
   EXPECT_FALSE(network.open({kA, 7}));
   a.reset();
   EXPECT_TRUE(network.open({kA, 7}));
 }
 
-TEST_F(MemoryNetworkTest, AnswerWithoutDelayArrivesInTheSameInstant) {
-  MemoryNetwork fast(scheduler, 0ms);
+TEST_F(MemoryDatagramsTest, AnswerWithoutDelayArrivesInTheSameInstant) {
+  MemoryDatagrams fast(scheduler, 0ms);
   auto a = open(kA, 7, &fast), b = open(kB, 7, &fast);
   b->set_handler([&](Instant now, const Ipv4Endpoint& from, ByteView bytes) { b->send(now, from, bytes); });
   send(*a, {kB, 7}, "echo");
   EXPECT_EQ(run(0ms), std::vector<std::string>{"0 10.0.0.1:7 from 10.0.0.2 echo"});
 }
 
-TEST_F(MemoryNetworkTest, SnapshotHasWhatIsUnderWay) {
+TEST_F(MemoryDatagramsTest, SnapshotHasWhatIsUnderWay) {
   const auto a = open(kA, 7), b = open(kB, 7);
   run(5ms);
   send(*a, {kB, 7}, "one");
   struct Whole {
     kernel::Scheduler& scheduler;
-    MemoryNetwork& network;
+    MemoryDatagrams& network;
     static void archive_whole(Archive& archive, Whole& w) {
       archive.io(w.scheduler);
       archive.io(w.network);
@@ -128,7 +128,7 @@ TEST_F(MemoryNetworkTest, SnapshotHasWhatIsUnderWay) {
   ASSERT_EQ(uninterrupted.size(), 1u);
 
   kernel::Scheduler later;
-  MemoryNetwork resumed(later, 2ms);
+  MemoryDatagrams resumed(later, 2ms);
   const auto other = open(kB, 7, &resumed);
   Whole into{later, resumed};
   Archive in = Archive::loading(bytes);

@@ -1,4 +1,4 @@
-#include "sim/transports/memory_network.hpp"
+#include "sim/transports/memory_datagrams.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -18,9 +18,9 @@ bool is_directed_broadcast(std::uint32_t to, std::uint32_t host) {
 
 }  // namespace
 
-class MemoryNetwork::Port : public UdpPort {
+class MemoryDatagrams::Port : public UdpPort {
  public:
-  Port(MemoryNetwork& network, const Ipv4Endpoint& local) : network_(network), local_(local) {
+  Port(MemoryDatagrams& network, const Ipv4Endpoint& local) : network_(network), local_(local) {
     network_.ports_[local_] = this;
   }
   ~Port() override { network_.ports_.erase(local_); }
@@ -46,23 +46,23 @@ class MemoryNetwork::Port : public UdpPort {
   }
 
  private:
-  MemoryNetwork& network_;
+  MemoryDatagrams& network_;
   Ipv4Endpoint local_;
   OnDatagram handler_;
   std::set<std::uint32_t> groups_;
 };
 
-MemoryNetwork::~MemoryNetwork() {
+MemoryDatagrams::~MemoryDatagrams() {
   if (event_ != 0) scheduler_.cancel(event_);
 }
 
-Result<std::unique_ptr<UdpPort>, std::string> MemoryNetwork::open(const Ipv4Endpoint& local) {
+Result<std::unique_ptr<UdpPort>, std::string> MemoryDatagrams::open(const Ipv4Endpoint& local) {
   if (ports_.contains(local))
     return Unexpected(ipv4_text(local.address) + ":" + std::to_string(local.port) + " is in use on this network");
   return std::unique_ptr<UdpPort>(std::make_unique<Port>(*this, local));
 }
 
-void MemoryNetwork::set_link(std::uint32_t address, bool up) {
+void MemoryDatagrams::set_link(std::uint32_t address, bool up) {
   if (up) {
     state_.unplugged.erase(address);
   } else {
@@ -70,7 +70,7 @@ void MemoryNetwork::set_link(std::uint32_t address, bool up) {
   }
 }
 
-void MemoryNetwork::send(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes) {
+void MemoryDatagrams::send(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes) {
   if (state_.unplugged.contains(from.address) || state_.under_way.size() >= kMaxUnderWay ||
       bytes.size() > UdpPort::kMaxDatagram) {
     ++state_.lost;
@@ -81,14 +81,14 @@ void MemoryNetwork::send(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoi
   if (event_ == 0) schedule_next();
 }
 
-void MemoryNetwork::schedule_next() {
+void MemoryDatagrams::schedule_next() {
   event_ = 0;
   if (state_.under_way.empty()) return;
   event_ =
       scheduler_.schedule(state_.under_way.front().at, kernel::Priority::kWire, [this](Instant now) { deliver(now); });
 }
 
-bool MemoryNetwork::hears(const Port& port, const Ipv4Endpoint& from, const Ipv4Endpoint& to) const {
+bool MemoryDatagrams::hears(const Port& port, const Ipv4Endpoint& from, const Ipv4Endpoint& to) const {
   const Ipv4Endpoint local = port.local();
   if (state_.unplugged.contains(local.address)) return false;
   if (local == to) return true;
@@ -97,7 +97,7 @@ bool MemoryNetwork::hears(const Port& port, const Ipv4Endpoint& from, const Ipv4
   return to.address == kLimitedBroadcast || is_directed_broadcast(to.address, local.address);
 }
 
-void MemoryNetwork::deliver(Instant now) {
+void MemoryDatagrams::deliver(Instant now) {
   // What handlers send now arrives in an event of its own.
   std::size_t due = 0;
   while (due < state_.under_way.size() && state_.under_way[due].at <= now) ++due;

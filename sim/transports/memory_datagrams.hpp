@@ -15,17 +15,17 @@
 
 namespace vinv::transports {
 
-class MemoryNetwork {
+class MemoryDatagrams {
  public:
   // Datagrams under way; more are lost.
   static constexpr std::size_t kMaxUnderWay = 65'536;
 
   // delay zero: arrives at the instant of sending, after the action that sent it. The scheduler outlives the network,
   // the network its ports.
-  MemoryNetwork(kernel::Scheduler& scheduler, Duration delay) : scheduler_(scheduler), delay_(delay) {}
-  ~MemoryNetwork();
-  MemoryNetwork(const MemoryNetwork&) = delete;
-  MemoryNetwork& operator=(const MemoryNetwork&) = delete;
+  MemoryDatagrams(kernel::Scheduler& scheduler, Duration delay) : scheduler_(scheduler), delay_(delay) {}
+  ~MemoryDatagrams();
+  MemoryDatagrams(const MemoryDatagrams&) = delete;
+  MemoryDatagrams& operator=(const MemoryDatagrams&) = delete;
 
   // Refusal: a sentence, if another port has this address.
   Result<std::unique_ptr<UdpPort>, std::string> open(const Ipv4Endpoint& local);
@@ -64,7 +64,7 @@ class MemoryNetwork {
   State state_;
 
   // The ports' handlers are their owners' affair.
-  friend void archive(Archive& a, MemoryNetwork& network) {
+  friend void archive(Archive& a, MemoryDatagrams& network) {
     a.io(network.state_);
     network.scheduler_.archive_event(a, network.event_, [&network](Instant now) { network.deliver(now); });
   }

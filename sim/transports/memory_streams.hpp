@@ -21,15 +21,15 @@ namespace vinv::transports {
 
 class MemoryEnd;
 
-class MemoryNet {
+class MemoryStreams {
  public:
   // The scheduler outlives the net; streams may outlive it.
-  explicit MemoryNet(kernel::Scheduler& scheduler) : scheduler_(scheduler) {}
+  explicit MemoryStreams(kernel::Scheduler& scheduler) : scheduler_(scheduler) {}
 
   // As make_memory_link(), of streams that have an end_number().
   MemoryLink connect(const MemoryLinkOptions& options = {});
 
-  friend void archive(Archive& a, MemoryNet& net) { net.archive_links(a); }
+  friend void archive(Archive& a, MemoryStreams& net) { net.archive_links(a); }
   // stream is one of this net, perhaps with others around it that hand on end_number(), or none. Loading sets it to the
   // bare one: the owner puts around it what was around it.
   void archive_end(Archive& a, std::unique_ptr<ByteStream>& stream);

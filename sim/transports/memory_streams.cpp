@@ -1,4 +1,4 @@
-#include "sim/transports/memory_net.hpp"
+#include "sim/transports/memory_streams.hpp"
 
 #include <algorithm>
 #include <string>
@@ -15,11 +15,11 @@ static void archive(Archive& a, MemoryLinkOptions& options) {
   a.require(delay >= Duration{} && character >= Duration{}, "a line is faster than time");
 }
 
-void MemoryNet::forget_unheld() {
+void MemoryStreams::forget_unheld() {
   std::erase_if(links_, [](const Link& l) { return !l.a->held() && !l.b->held(); });
 }
 
-MemoryLink MemoryNet::connect(const MemoryLinkOptions& options) {
+MemoryLink MemoryStreams::connect(const MemoryLinkOptions& options) {
   forget_unheld();
   const std::uint32_t number = next_number_++;
   Link& l = links_.emplace_back();
@@ -31,10 +31,10 @@ MemoryLink MemoryNet::connect(const MemoryLinkOptions& options) {
           std::make_unique<MemoryStream>(l.b, l.a, l.options, options.name_b)};
 }
 
-void MemoryNet::archive_links(Archive& a) {
+void MemoryStreams::archive_links(Archive& a) {
   // How long a link without owners stays listed is no state.
   forget_unheld();
-  VINV_FIELDS(a, MemoryNet, next_number_);
+  VINV_FIELDS(a, MemoryStreams, next_number_);
   const std::size_t count = a.count(links_.size());
   if (a.loads()) {
     for (const Link& l : links_) {
@@ -64,7 +64,7 @@ void MemoryNet::archive_links(Archive& a) {
   }
 }
 
-void MemoryNet::archive_end(Archive& a, std::unique_ptr<ByteStream>& stream) {
+void MemoryStreams::archive_end(Archive& a, std::unique_ptr<ByteStream>& stream) {
   std::uint32_t number = stream == nullptr ? 0 : stream->end_number();
   VINV_CHECK(a.loads() || stream == nullptr || number != 0);
   a.io(number);
@@ -81,7 +81,7 @@ void MemoryNet::archive_end(Archive& a, std::unique_ptr<ByteStream>& stream) {
                 : std::make_unique<MemoryStream>(at->a, at->b, at->options, at->options->name_a);
 }
 
-void MemoryNet::archive_owners(Archive& a) const {
+void MemoryStreams::archive_owners(Archive& a) const {
   for (const Link& l : links_) a.require(!l.a_awaited && !l.b_awaited, "a line in memory has lost its owner");
 }
 

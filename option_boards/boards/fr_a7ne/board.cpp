@@ -1,0 +1,47 @@
+#include "option_boards/boards/fr_a7ne/board.hpp"
+
+namespace vinv::boards::fr_a7ne {
+
+void Board::handle_power(Instant now, bool on) {
+  state_.now = now;
+  unit_.handle_power(now, on);
+}
+
+void Board::handle_drive_tick(Instant now) {
+  state_.now = now;
+  unit_.handle_drive_tick(now);
+}
+
+void Board::plug(Instant now, bool plugged) {
+  state_.now = now;
+  state_.plugged = plugged;
+  unit_.set_link(now, plugged);
+}
+
+void Board::handle_activity(Instant now, std::size_t) {
+  state_.now = now;
+  state_.traffic_until = now + kTrafficShown;
+}
+
+Result<void, std::string> Board::set_switch(std::string_view name, unsigned) {
+  return Unexpected("fr-a7ne has no switch \"" + std::string(name) + "\"; it has none at all");
+}
+
+LedSituation Board::situation() const {
+  LedSituation s = unit_.led_situation();
+  s.traffic = state_.now < state_.traffic_until;
+  return s;
+}
+
+std::vector<Led> Board::leds() const {
+  const LedSituation s = situation();
+  return {{"MS", module_led(s)}, {"NS", network_led(s)}, {"LINK/ACT", link_led(s)}};
+}
+
+void Board::archive_state(Archive& a) {
+  VINV_MEMBERS(*this, unit, state);
+  a.must_match("option board", kType);
+  VINV_FIELDS(a, Board, unit, state);
+}
+
+}  // namespace vinv::boards::fr_a7ne
