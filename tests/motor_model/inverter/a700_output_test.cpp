@@ -1,5 +1,8 @@
 // Output signals, meter AM and monitors of the FR-A700. FR-A7NE manual 7.2.1, 7.6, 7.13; the rest typical for the
 // family.
+#include <map>
+#include <set>
+
 #include "a700_bench.hpp"
 #include "motor_model/inverter/a700/tables.hpp"
 #include "motor_model/inverter/eeprom_text.hpp"
@@ -263,6 +266,60 @@ TEST(A700Monitors, ShowWhatTheMotorDoes) {
   for (unsigned code : {19u, 22u, 35u, 58u, 59u, 60u}) EXPECT_EQ(monitor(b, code), 0) << code;
 }
 
+// Every row in its own unit and increment, in both sizes of increments; what is left has a test of its own.
+TEST(A700Monitors, EachOneHasTheUnitOfItsRow) {
+  struct Unit {
+    InverterConfig config;
+    double kw = 0;
+  };
+  InverterConfig large = config_for("FR-A740-75K", "iec4p_15kW_400V");
+  large.load.constant_nm = 60;
+  for (const Unit& unit : {Unit{loaded(0, 6, config_a700()), 1.5}, Unit{large, 15}}) {
+    Bench b = a700_running(40, {{"Pr.80", unit.kw}, {"Pr.81", 4}, {"Pr.84", 50}, {"Pr.7", 2}}, unit.config);
+    b.run(3);
+    const bool coarse = b.port().facts().coarse;
+    const plant::PlantMeasurements& m = b->plant().measurements();
+    const double rated_a = coarse ? 144 : 4;
+    const double rated_nm = 1000 * unit.kw / (unit.config.motor.rated_speed_rpm * M_PI / 30);
+    const double excitation_a = std::sqrt(std::pow(m.output_current_a_rms, 2) - std::pow(m.active_current_a_rms, 2));
+    struct Expected {
+      double value;
+      const char* unit;
+      int decimals;
+    };
+    const int fine = coarse ? 1 : 2;
+    const std::map<unsigned, Expected> expected{{1, {b.signal("output_frequency"), "Hz", 2}},
+                                                {2, {m.output_current_a_rms, "A", fine}},
+                                                {3, {m.output_voltage_v_rms, "V", 1}},
+                                                {5, {40, "Hz", 2}},
+                                                {6, {b.signal("output_frequency") * 30, "r/min", 0}},
+                                                {7, {m.torque_nm / rated_nm * 100, "%", 1}},
+                                                {8, {m.dc_link_v, "V", 1}},
+                                                {10, {b.signal("motor_thermal"), "%", 1}},
+                                                {13, {m.input_power_w / 1000, "kW", fine}},
+                                                {14, {m.output_power_w / 1000, "kW", fine}},
+                                                {17, {m.active_current_a_rms / rated_a * 100, "%", 1}},
+                                                {18, {excitation_a, "A", fine}},
+                                                {24, {m.output_current_a_rms / rated_a * 100, "%", 1}},
+                                                {32, {m.torque_nm / rated_nm * 100, "%", 1}},
+                                                {34, {m.shaft_power_w / 1000, "kW", fine}}};
+    const std::set<unsigned> elsewhere{9, 11, 12, 15, 16, 20, 23, 25, 33, 50, 51, 52, 53, 54};
+    const std::set<unsigned> not_fitted{19, 22, 35, 58, 59, 60};
+    for (const a700::MonitorRow& row : a700::monitors()) {
+      SCOPED_TRACE(row.name + (coarse ? ", 75K" : ", 1.5K"));
+      if (not_fitted.contains(row.code)) {
+        EXPECT_EQ(monitor(b, row.code), 0);
+      }
+      if (not_fitted.contains(row.code) || elsewhere.contains(row.code)) continue;
+      ASSERT_TRUE(expected.contains(row.code));
+      const Expected& e = expected.at(row.code);
+      EXPECT_EQ(row.unit, e.unit);
+      EXPECT_NEAR(monitor(b, row.code) / std::pow(10, e.decimals), e.value,
+                  0.02 * e.value + 1.5 / std::pow(10, e.decimals));
+    }
+  }
+}
+
 TEST(A700Monitors, TorqueIsOfVectorControlOnly) {
   Bench b = a700_running(40, {}, loaded(0, 6, config_a700()));
   for (unsigned code : {7u, 32u, 33u, 34u}) EXPECT_EQ(monitor(b, code), 0) << code;
@@ -358,6 +415,11 @@ TEST(A700Monitors, HoursAndKilowattHoursAreCountedOverPowerCycles) {
     d.preset("Pr.891", shift);
     d.power_on();
     EXPECT_EQ(monitor(d, 25), shown) << shift;
+    d.preset("Pr.170", 10);
+    EXPECT_EQ(monitor(d, 25), std::min(9999.0, std::floor(123456 / std::pow(10, shift == 9999 ? 0 : shift))));
+    EXPECT_EQ(d.raw(170), 10u);
+    d.preset("Pr.170", 9999);
+    EXPECT_EQ(d.raw(170), 65535u);
     d.pu();
     ASSERT_TRUE(d->set_parameter("Pr.170", 0).has_value());
     EXPECT_EQ(monitor(d, 25), 0);
