@@ -31,8 +31,9 @@ class DetectionOutputs {
   bool frequency_detected_ = false;
   bool current_detected_ = false;
   bool zero_current_ = false;
+  bool was_running_ = false;
   VINV_ARCHIVE(DetectionOutputs, current_, zero_, current_hold_s_, up_to_frequency_, frequency_detected_,
-               current_detected_, zero_current_);
+               current_detected_, zero_current_, was_running_);
 };
 
 }  // namespace vinv::drive

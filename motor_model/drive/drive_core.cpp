@@ -18,7 +18,8 @@ double sign_of(RunDirection direction) { return static_cast<double>(direction); 
 RampTimes ramp_times(const DriveSettings& s) {
   return {s.acceleration_s, s.deceleration_s,        s.ramp_reference_hz,     s.cushion_pattern_base_hz,
           s.ramp_pattern,   s.s_time_acceleration_s, s.s_time_deceleration_s, s.backlash_up_hz,
-          s.backlash_up_s,  s.backlash_down_hz,      s.backlash_down_s};
+          s.backlash_up_s,  s.backlash_down_hz,      s.backlash_down_s,       s.s_end_acceleration_s,
+          s.s_end_deceleration_s};
 }
 
 // Stall prevention needs ramps that take time.
@@ -74,6 +75,7 @@ void DriveCore::output_off(RunState state) {
   shortest_.release();
   slip_.clear();
   droop_.clear();
+  vector_.reset();
   start_hold_left_s_ = 0;
   current_limit_.clear();
   compensation_current_.set(0);
@@ -331,11 +333,18 @@ void DriveCore::set_stage(const Tick& t) {
   out_.output_frequency_hz = 0;
   out_.stage_frequency_hz = 0;
   out_.stage_voltage_peak_v = 0;
+  out_.torque_command_percent = 0;
+  out_.torque_limited = false;
+  out_.speed_limited = false;
   if (!out_.gates_on) return;
 
   const double limit = current_limit_.step(t.dt_s, s, t.sensors.current_peak_a, t.sensors.active_current_a_rms);
   if (state_ == RunState::kDcBraking) {
     out_.ramp_frequency_hz = 0;
+    if (s.vector.on && s.zero_speed_brake) {
+      set_vector_stage(t, 0, limit, Motion::kConstant);
+      return;
+    }
     out_.stage_voltage_peak_v = limit * phase_peak_v(DcBrake::voltage_v_rms(s));
     return;
   }
@@ -343,6 +352,13 @@ void DriveCore::set_stage(const Tick& t) {
   const double magnitude = std::abs(ramp);
   const double slip = slip_.step(t.dt_s, s, magnitude, t.torque_current_a_rms);
   const double droop = droop_.step(t.dt_s, s, state_ != RunState::kConstant, t.torque_current_a_rms);
+  if (s.vector.on) {
+    const Motion motion = state_ == RunState::kAccelerating   ? Motion::kAccelerating
+                          : state_ == RunState::kDecelerating ? Motion::kDecelerating
+                                                              : Motion::kConstant;
+    set_vector_stage(t, std::copysign(std::max(0.0, magnitude - droop), ramp), limit, motion);
+    return;
+  }
   // Compensation does not raise the output above the maximum frequency, nor lower it below the start frequency.
   const double output = std::clamp(magnitude + slip - droop + t.command.raise_by_hz,
                                    std::min(magnitude, s.start_frequency_hz), std::max(magnitude, s.max_frequency_hz));
@@ -354,12 +370,33 @@ void DriveCore::set_stage(const Tick& t) {
   out_.stage_voltage_peak_v = raised * limit * t.command.voltage_factor * phase_peak_v(voltage);
 }
 
+void DriveCore::set_vector_stage(const Tick& t, double reference_hz, double limit, Motion motion) {
+  const DriveSettings& s = t.settings;
+  const double direction = reference_hz < 0 ? -1 : 1;
+  const double backward =
+      t.command.backward_limit_hz < 0 ? std::abs(reference_hz) : t.wanted ? t.command.backward_limit_hz : 0;
+  const auto out = vector_.step(t.dt_s, s.vector,
+                                {reference_hz, backward, direction * t.command.torque_percent,
+                                 t.sensors.rotor_frequency_hz, t.sensors.torque_nm, limit, motion});
+  const double raised = cushion_.rising() ? cushion_.step(t.dt_s, s) : 1;
+  out_.output_frequency_hz = out.frequency_hz;
+  out_.stage_frequency_hz = out.frequency_hz;
+  out_.stage_voltage_peak_v = raised * limit * phase_peak_v(std::min(out.voltage_v_rms, s.supply_voltage_v_rms));
+  out_.torque_command_percent = out.torque_percent;
+  out_.torque_limited = out.torque_limited;
+  out_.speed_limited = out.speed_limited;
+  if (!out.stalled) return;
+  const RunState state = state_;
+  trip({TripKind::kStallPrevention, {}, std::abs(out.torque_percent), s.vector.stall_percent, state,
+        out.frequency_hz});
+}
+
 void DriveCore::publish(const Tick& t) {
   const DriveSettings& s = t.settings;
   out_.state = state_;
   // RUN is off during DC injection: it tells of a frequency at or above the start frequency.
   out_.running = out_.gates_on && state_ != RunState::kDcBraking;
-  out_.overload = out_.gates_on && overload_;
+  out_.overload = out_.gates_on && (overload_ || out_.torque_limited);
   out_.power_failure = power_failure_.failed();
   detection_.step(t.dt_s, s,
                   {out_.running, out_.ramp_frequency_hz, out_.output_frequency_hz,

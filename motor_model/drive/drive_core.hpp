@@ -16,6 +16,7 @@
 #include "motor_model/drive/slip_compensation.hpp"
 #include "motor_model/drive/stall_prevention.hpp"
 #include "motor_model/drive/torque_current.hpp"
+#include "motor_model/drive/vector_control.hpp"
 #include "sim/base/archive.hpp"
 
 namespace vinv::drive {
@@ -52,6 +53,7 @@ class DriveCore {
   void trip(const Trip& cause);
   Motion motion(double target_hz) const;
   void set_stage(const Tick& t);
+  void set_vector_stage(const Tick& t, double reference_hz, double limit, Motion motion);
   void publish(const Tick& t);
 
   RunState state_ = RunState::kStopped;
@@ -61,6 +63,7 @@ class DriveCore {
   ShortestRamp shortest_;
   SlipCompensation slip_;
   Droop droop_;
+  VectorControl vector_;
   double start_hold_left_s_ = 0;
   FastCurrentLimit current_limit_;
   FirstOrderLag compensation_current_;
@@ -76,7 +79,7 @@ class DriveCore {
   bool stalled_at_constant_ = false;  // stall prevention has taken a constant speed down and it is not yet back
   bool overload_ = false;
   DriveOutputs out_;
-  VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, droop_, start_hold_left_s_,
+  VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, droop_, vector_, start_hold_left_s_,
                current_limit_, compensation_current_, dc_brake_, coast_delay_, link_, power_failure_, cushion_,
                brake_duty_, protections_, detection_, catching_, stalled_at_constant_, overload_, out_);
 };

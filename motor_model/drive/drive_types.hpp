@@ -6,13 +6,14 @@
 #include <cstdint>
 #include <optional>
 
+#include "motor_model/drive/vector_settings.hpp"
 #include "sim/base/archive.hpp"
 #include "sim/base/time.hpp"
 
 namespace vinv::drive {
 
-enum class RampPattern : std::uint8_t { kLinear, kSCurveA, kSCurveB, kBacklash, kSCurveC };
-VINV_ENUM_RANGE(RampPattern, kLinear, kSCurveC);
+enum class RampPattern : std::uint8_t { kLinear, kSCurveA, kSCurveB, kBacklash, kSCurveC, kSCurveD };
+VINV_ENUM_RANGE(RampPattern, kLinear, kSCurveD);
 // How a turning motor is caught: at the speed that it has, or at the frequency of before with the voltage rising.
 enum class RestartMethod : std::uint8_t { kSearch, kReducedVoltage };
 VINV_ENUM_RANGE(RestartMethod, kSearch, kReducedVoltage);
@@ -51,8 +52,10 @@ struct DriveSettings {
   double ramp_reference_hz = 50;        // the times are from 0 to this frequency
   double cushion_pattern_base_hz = 50;  // base frequency of S-curve A
   RampPattern ramp_pattern = RampPattern::kLinear;
-  double s_time_acceleration_s = 0;  // S-curve C: at each end of the ramp
+  double s_time_acceleration_s = 0;  // S-curve C: at each end of the ramp, D: at its start
   double s_time_deceleration_s = 0;
+  double s_end_acceleration_s = 0;  // S-curve D: at the ramp's end
+  double s_end_deceleration_s = 0;
   double backlash_up_hz = 0;  // backlash: the acceleration stops here ...
   double backlash_up_s = 0;   // ... for this long
   double backlash_down_hz = 0;
@@ -84,6 +87,7 @@ struct DriveSettings {
   double dc_brake_frequency_hz = 3;
   double dc_brake_s = 0.5;              // 0: off
   double dc_brake_voltage_percent = 4;  // of base voltage; 0: off
+  bool zero_speed_brake = false;        // in vector control: the speed is held at 0 instead
   // stall prevention (current)
   double stall_level_percent = 150;               // of rated current; 0: off
   double stall_level_double_speed_percent = 100;  // compensation factor (E500 Pr.23), see stall_level_percent()
@@ -108,6 +112,8 @@ struct DriveSettings {
   // protections
   double electronic_thermal_a_rms = 0;  // 0: off
   bool motor_forced_cooling = false;    // constant-torque motor: no derating at low speed
+  bool second_motor = false;            // it is the one that runs, with a thermal state of its own
+  bool motor_alarms_wait = false;       // electronic thermal and thermal relay are left to the personality
   double inverter_overload_start_percent = 110;
   double over_current_percent = 200;  // of rated current, instantaneous peak; for the plant's comparator
   double over_voltage_v = 800;
@@ -143,28 +149,33 @@ struct DriveSettings {
   double current_detect_s = 0;
   double zero_current_percent = 5;  // Y13
   double zero_current_s = 0.5;
+  double current_detect_hold_s = 0.1;  // Y12 stays on at least this long; negative: until the next start
+  // control of speed or torque; takes the place of V/f law, slip compensation and stall prevention
+  VectorSettings vector;
   // carrier, for the loss model and the monitor
   double carrier_hz = 1000;
   VINV_ARCHIVE(DriveSettings, rated_current_a_rms, nominal_dc_link_v, supply_voltage_v_rms, max_frequency_hz,
                min_frequency_hz, start_frequency_hz, jump_bands, acceleration_s, deceleration_s, ramp_reference_hz,
-               cushion_pattern_base_hz, ramp_pattern, s_time_acceleration_s, s_time_deceleration_s, backlash_up_hz,
-               backlash_up_s, backlash_down_hz, backlash_down_s, start_hold_s, base_frequency_hz, base_voltage_v_rms,
-               torque_boost_percent, load_pattern, vf_points, vf_point_count, flux_factor,
-               stator_resistance_compensation_ohm, motor_slip_hz, motor_stator_ohm, rated_slip_hz,
-               motor_rated_current_a_rms, motor_no_load_current_a_rms, slip_response_s, slip_in_constant_output,
-               droop_hz, droop_filter_s, droop_in_ramps, dc_brake_frequency_hz, dc_brake_s, dc_brake_voltage_percent,
-               stall_level_percent, stall_level_double_speed_percent, stall_compensated, stall_reduction_start_hz,
-               stall_in_acceleration, stall_at_constant, stall_in_deceleration, stall_trips_at_once, fast_current_limit,
-               dc_link_hold_v, shortest_acceleration, shortest_deceleration, shortest_watches_link,
-               shortest_current_acceleration_a_rms, shortest_current_deceleration_a_rms, stop_by_coasting,
-               coast_delay_s, electronic_thermal_a_rms, motor_forced_cooling, inverter_overload_start_percent,
+               cushion_pattern_base_hz, ramp_pattern, s_time_acceleration_s, s_time_deceleration_s,
+               s_end_acceleration_s, s_end_deceleration_s, backlash_up_hz, backlash_up_s, backlash_down_hz,
+               backlash_down_s, start_hold_s, base_frequency_hz, base_voltage_v_rms, torque_boost_percent, load_pattern,
+               vf_points, vf_point_count, flux_factor, stator_resistance_compensation_ohm, motor_slip_hz,
+               motor_stator_ohm, rated_slip_hz, motor_rated_current_a_rms, motor_no_load_current_a_rms, slip_response_s,
+               slip_in_constant_output, droop_hz, droop_filter_s, droop_in_ramps, dc_brake_frequency_hz, dc_brake_s,
+               dc_brake_voltage_percent, zero_speed_brake, stall_level_percent, stall_level_double_speed_percent,
+               stall_compensated, stall_reduction_start_hz, stall_in_acceleration, stall_at_constant,
+               stall_in_deceleration, stall_trips_at_once, fast_current_limit, dc_link_hold_v, shortest_acceleration,
+               shortest_deceleration, shortest_watches_link, shortest_current_acceleration_a_rms,
+               shortest_current_deceleration_a_rms, stop_by_coasting, coast_delay_s, electronic_thermal_a_rms,
+               motor_forced_cooling, second_motor, motor_alarms_wait, inverter_overload_start_percent,
                over_current_percent, over_voltage_v, under_voltage_v, under_voltage_clear_v, stall_trip_frequency_hz,
                stall_trip_s, heat_sink_trip_c, output_phase_loss_protection, earth_fault_detection, chopper_fitted,
                chopper_on_v, chopper_off_v, chopper_duty_percent, restart_enabled, restart_coast_s, restart_cushion_s,
                power_failure_detect_s, restart_method, restart_at_every_start, restart_finds_direction,
                restart_first_cushion_s, restart_first_voltage_percent, restart_stall_level_percent,
                restart_acceleration_s, up_to_frequency_percent, detect_forward_hz, detect_reverse_hz,
-               current_detect_percent, current_detect_s, zero_current_percent, zero_current_s, carrier_hz);
+               current_detect_percent, current_detect_s, zero_current_percent, zero_current_s, current_detect_hold_s,
+               vector, carrier_hz);
 };
 
 enum class RunDirection : std::int8_t { kReverse = -1, kStop = 0, kForward = 1 };
@@ -175,6 +186,8 @@ struct DriveCommand {
   double set_frequency_hz = 0;     // magnitude, before limits and jumps
   bool output_stop = false;        // MRS: output off at once, the motor coasts
   bool external_thermal = false;   // OH opened
+  double torque_percent = 0;       // torque control: commanded, positive in the commanded direction
+  double backward_limit_hz = -1;   // torque control: speed limit against that direction; negative: the same
   bool permit = true;              // false in start-up, reset and while a retry waits: no output
   bool catch_motor = false;        // an output that comes on meets a turning motor, as after a power failure
   double lower_by_hz = 0;          // takes the frequency down by this at once
@@ -203,6 +216,8 @@ struct Sensors {
   Duration comparator_after{};  // since the last tick
   // from a speed search of the personality (restart after power failure without a sensor): electrical, Hz
   double rotor_frequency_hz = 0;
+  // from its estimator of vector control: air gap, signed
+  double torque_nm = 0;
 };
 
 enum class RunState : std::uint8_t {
@@ -269,11 +284,15 @@ struct DriveOutputs {
   double motor_thermal_fraction = 0;  // of trip
   double inverter_thermal_fraction = 0;
   double brake_duty_fraction = 0;  // of the permitted duty
-  std::optional<Trip> trip;        // new in this tick
+  // control of speed or torque
+  double torque_command_percent = 0;  // signed
+  bool torque_limited = false;
+  bool speed_limited = false;
+  std::optional<Trip> trip;  // new in this tick
   VINV_ARCHIVE(DriveOutputs, gates_on, stage_frequency_hz, stage_voltage_peak_v, chopper_enabled, state, running,
                output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, power_failure, frequency_detected,
                current_detected, zero_current, thermal_pre_alarm, motor_thermal_fraction, inverter_thermal_fraction,
-               brake_duty_fraction, trip);
+               brake_duty_fraction, torque_command_percent, torque_limited, speed_limited, trip);
 };
 
 }  // namespace vinv::drive

@@ -26,8 +26,11 @@ void Protections::observe(double dt_s, const DriveSettings& settings, const Sens
   const double frequency_hz = std::abs(situation.output_frequency_hz);
   inverter_.step(dt_s, ratio(sensors.current_a_rms, settings.rated_current_a_rms), frequency_hz,
                  settings.inverter_overload_start_percent / 100);
-  motor_.step(dt_s, ratio(sensors.current_a_rms, settings.electronic_thermal_a_rms), frequency_hz,
-              settings.motor_forced_cooling);
+  // The motor that does not run cools down.
+  second_motor_ = settings.second_motor;
+  motors_[second_motor_ ? 1 : 0].step(dt_s, ratio(sensors.current_a_rms, settings.electronic_thermal_a_rms),
+                                      frequency_hz, settings.motor_forced_cooling);
+  motors_[second_motor_ ? 0 : 1].step(dt_s, 0, frequency_hz, true);
 }
 
 std::optional<Trip> Protections::check(double dt_s, const DriveSettings& settings, const DriveCommand& command,
@@ -57,21 +60,21 @@ std::optional<Trip> Protections::check(double dt_s, const DriveSettings& setting
   }
   if (earth) return trip(TripKind::kEarthFault, 1, 0);
   if (sensors.chopper_failed) return trip(TripKind::kBrakeTransistor, 1, 0);
-  if (command.external_thermal) return trip(TripKind::kExternalThermal, 1, 0);
+  if (command.external_thermal && !settings.motor_alarms_wait) return trip(TripKind::kExternalThermal, 1, 0);
   if (sensors.heat_sink_c >= settings.heat_sink_trip_c) {
     return trip(TripKind::kHeatSink, sensors.heat_sink_c, settings.heat_sink_trip_c);
   }
   if (phase) return trip(TripKind::kOutputPhaseLoss, 1, 0);
   // The accumulators survive a reset, so these must not lock a stopped drive in its alarm.
   if (situation.gates_on && inverter_.tripped()) return trip(TripKind::kInverterOverload, inverter_.fraction(), 1);
-  if (situation.gates_on && settings.electronic_thermal_a_rms > 0 && motor_.tripped()) {
-    return trip(TripKind::kMotorOverload, motor_.fraction(), 1);
+  if (situation.gates_on && settings.electronic_thermal_a_rms > 0 && !settings.motor_alarms_wait && motor().tripped()) {
+    return trip(TripKind::kMotorOverload, motor().fraction(), 1);
   }
   return std::nullopt;
 }
 
 void Protections::clear_accumulators() {
-  motor_.clear();
+  for (ElectronicThermal& motor : motors_) motor.clear();
   inverter_.clear();
 }
 

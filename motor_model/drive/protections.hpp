@@ -1,6 +1,7 @@
 // All that shuts the output with an alarm, judged once per tick. What was measured against which level goes into Trip.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "motor_model/drive/drive_types.hpp"
@@ -61,15 +62,17 @@ class Protections {
                             const Sensors& sensors, const Situation& situation);
   void clear_accumulators();
 
-  const ElectronicThermal& motor() const { return motor_; }
+  // Of the motor that runs.
+  const ElectronicThermal& motor() const { return motors_[second_motor_ ? 1 : 0]; }
   const InverterOverload& inverter() const { return inverter_; }
 
  private:
-  ElectronicThermal motor_;
+  std::array<ElectronicThermal, 2> motors_;
+  bool second_motor_ = false;
   InverterOverload inverter_;
   EarthFault earth_fault_;
   OutputPhaseLoss phase_loss_;
-  VINV_ARCHIVE(Protections, motor_, inverter_, earth_fault_, phase_loss_);
+  VINV_ARCHIVE(Protections, motors_, second_motor_, inverter_, earth_fault_, phase_loss_);
 };
 
 }  // namespace vinv::drive

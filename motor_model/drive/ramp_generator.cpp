@@ -50,8 +50,11 @@ void RampGenerator::step(double dt_s, double target_hz, const RampTimes& times) 
   }
   const double rate = motion == Motion::kAccelerating ? acceleration_rate_hz_s(times) : deceleration_rate_hz_s(times);
   const double s_time = motion == Motion::kAccelerating ? times.s_time_acceleration_s : times.s_time_deceleration_s;
-  if (times.pattern == RampPattern::kSCurveB || (times.pattern == RampPattern::kSCurveC && s_time > 0)) {
-    step_planned(dt_s, target, rate, s_time, times.pattern);
+  const double s_end = motion == Motion::kAccelerating ? times.s_end_acceleration_s : times.s_end_deceleration_s;
+  const bool rounded = (times.pattern == RampPattern::kSCurveC && s_time > 0) ||
+                       (times.pattern == RampPattern::kSCurveD && s_time + s_end > 0);
+  if (times.pattern == RampPattern::kSCurveB || rounded) {
+    step_planned(dt_s, target, rate, s_time, s_end, times.pattern);
     return;
   }
   planned_ = false;
@@ -121,12 +124,15 @@ void RampGenerator::step_backlash(double dt_s, double target_hz, Motion motion, 
   if (hold_left_s_ > 0) frequency_hz_ = std::copysign(hold_hz, frequency_hz_ != 0 ? frequency_hz_ : target_hz);
 }
 
-void RampGenerator::step_planned(double dt_s, double target_hz, double rate_hz_s, double s_time_s,
+void RampGenerator::step_planned(double dt_s, double target_hz, double rate_hz_s, double s_time_s, double s_end_s,
                                  RampPattern pattern) {
+  const bool d = pattern == RampPattern::kSCurveD;
   const bool even = pattern == RampPattern::kSCurveC;
-  // C takes its S time in addition to the straight ramp's; a short way is all S.
+  // C takes its S time in addition to the straight ramp's; a short way is all S. So with D, which has two.
+  const auto s_curve_d = [&](double change_hz) { return s_curve_d_of(std::abs(change_hz) / rate_hz_s, s_time_s, s_end_s); };
   const auto duration = [&](double change_hz) {
     const double straight = std::abs(change_hz) / rate_hz_s;
+    if (d) return s_curve_d(change_hz).total_s;
     return even ? straight + std::min(s_time_s, straight) : straight;
   };
   const auto share = [&](double change_hz) {
@@ -134,6 +140,7 @@ void RampGenerator::step_planned(double dt_s, double target_hz, double rate_hz_s
     return total > 0 ? std::min(0.5, (total - std::abs(change_hz) / rate_hz_s) / total) : 0;
   };
   const auto remaining = [&](double progress) {
+    if (d) return s_curve_d_remaining(progress, s_curve_d(plan_change_hz_));
     return even ? s_curve_c_remaining(progress, share(plan_change_hz_)) : drive::s_curve_b_remaining(progress);
   };
   const double remaining_hz = target_hz - frequency_hz_;

@@ -22,6 +22,8 @@ struct RampTimes {
   double hold_up_s = 0;
   double hold_down_hz = 0;
   double hold_down_s = 0;
+  double s_end_acceleration_s = 0;  // S-curve D; its beginning as of C
+  double s_end_deceleration_s = 0;
 };
 
 // The constant rates of the straight ramps, Hz/s; infinite for 0 s.
@@ -46,10 +48,11 @@ class RampGenerator {
   void step_linear(double dt_s, double target_hz, double rate_hz_s);
   void step_backlash(double dt_s, double target_hz, Motion motion, double rate_hz_s, const RampTimes& times);
   void step_s_curve_a(double dt_s, double target_hz, Motion motion, const RampTimes& times);
-  void step_planned(double dt_s, double target_hz, double rate_hz_s, double s_time_s, RampPattern pattern);
+  void step_planned(double dt_s, double target_hz, double rate_hz_s, double s_time_s, double s_end_s,
+                    RampPattern pattern);
 
   double frequency_hz_ = 0;
-  // S-curve B or C under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
+  // S-curve B, C or D under way: to plan_target_hz_, which is plan_change_hz_ away from where the curve began.
   double plan_target_hz_ = 0;
   double plan_change_hz_ = 0;
   double plan_first_change_hz_ = 0;  // before the target moved

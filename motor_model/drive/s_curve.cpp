@@ -29,4 +29,25 @@ double s_curve_c_remaining(double progress, double share) {
   return 1 - done / (1 - share);
 }
 
+SCurveD s_curve_d_of(double straight_s, double begin_s, double end_s) {
+  const double rounded_s = (begin_s + end_s) / 2;
+  if (straight_s <= 0 || rounded_s <= 0) return {straight_s, 0, 0};
+  if (straight_s >= rounded_s) {
+    const double total = straight_s + rounded_s;
+    return {total, begin_s / total, end_s / total};
+  }
+  // The rate does not reach its full value: both ends shrink alike.
+  const double scale = std::sqrt(straight_s / rounded_s);
+  return {2 * rounded_s * scale, begin_s / (2 * rounded_s), end_s / (2 * rounded_s)};
+}
+
+double s_curve_d_remaining(double progress, const SCurveD& c) {
+  const double most = 1 / (1 - (c.begin_share + c.end_share) / 2);  // rate between the ends
+  const double x = progress < 0 ? 0 : progress > 1 ? 1 : progress;
+  const double left = 1 - x;
+  if (left < c.end_share) return most * left * left / (2 * c.end_share);
+  if (x < c.begin_share) return 1 - most * x * x / (2 * c.begin_share);
+  return 1 - most * (x - c.begin_share / 2);
+}
+
 }  // namespace vinv::drive

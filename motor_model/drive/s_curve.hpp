@@ -18,4 +18,15 @@ double s_curve_b_remaining(double progress);
 // progress 0 ... 1; share of the whole time that each end takes, 0 ... 0.5.
 double s_curve_c_remaining(double progress, double share);
 
+// S-curve D (A700 Pr.29 = 5): as C with a time of its own for each end, in addition to half of which the straight ramp
+// takes its time. A way too short for both is rounded with the same slope of the rate.
+struct SCurveD {
+  double total_s = 0;
+  double begin_share = 0;  // of the whole time
+  double end_share = 0;
+};
+// straight_s: what the straight ramp would take for this way.
+SCurveD s_curve_d_of(double straight_s, double begin_s, double end_s);
+double s_curve_d_remaining(double progress, const SCurveD& curve);
+
 }  // namespace vinv::drive

@@ -25,7 +25,7 @@ struct EepromRecord {
   std::int32_t retry_count = 0;        // successful retries
   std::array<UserGroup, 2> groups{};
   port::AlarmHistory alarms{};
-  static constexpr std::size_t kMostCounters = 16;
+  static constexpr std::size_t kMostCounters = 32;
   std::array<std::int64_t, kMostCounters> counters{};  // what the family counts besides, by its own names
   friend bool operator==(const EepromRecord&, const EepromRecord&) = default;
   VINV_ARCHIVE(EepromRecord, panel_frequency, remote_frequency, operating_seconds, retry_count, groups, alarms, counters);

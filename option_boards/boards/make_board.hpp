@@ -18,7 +18,7 @@ struct BoardConfig {
   unsigned node = 63;  // what the address switches are set to, on a board that has them
   // Of a board on Ethernet.
   std::uint32_t serial_number = 1;
-  EthernetSurroundings ethernet;
+  EthernetSurroundings ethernet = {};
   bool fast = false;  // answers as fast as the inverter decides, not as slowly as the real one
 };
 

@@ -11,6 +11,7 @@ enum class Lamp : std::uint8_t { kOff, kOn, kFlicker };
 
 struct Du07 {
   std::string digits;  // five characters at most, the point counts: "60.00", "E.  3", "PS"
+  std::string warning;  // flashes beside the digits: OL, SL, RB, TH, MT, FN, PS; empty without one
   bool hertz = false;
   bool ampere = false;
   bool volt = false;
@@ -23,6 +24,6 @@ struct Du07 {
 };
 
 // A number in four digits: 0.00 to 99.99, 100.0 to 999.9, 1000 to 9999.
-std::string four_digits(double value);
+std::string four_digits(double value, int most_decimals = 2);
 
 }  // namespace vinv::inverter::a700

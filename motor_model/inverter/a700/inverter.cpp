@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "motor_model/inverter/a700/parameter_numbers.hpp"
+#include "motor_model/inverter/a700/part_life.hpp"
 
 namespace vinv::inverter::a700 {
 
@@ -91,6 +92,7 @@ void A700Inverter::start_family() {
   const CommunicationError communication = s_.communication;
   const double energized = s_.energized_s;
   const double energy = s_.energy_j;
+  const double aged = s_.capacitor_aged_s;
   const bool again = s_.alive;  // a reset, not a power-on
   s_ = State{};
   s_.alive = true;
@@ -98,6 +100,8 @@ void A700Inverter::start_family() {
   s_.communication.reset();
   s_.energized_s = energized;
   s_.energy_j = energy;
+  s_.capacitor_aged_s = aged;
+  if (!again) ++record_.counters[kInrushOperations];
   s_.line_errors = errors;
   s_.raw_pr340 = store_.integer(pr::kLinkStart);
   v_.network.frequency_hz = static_cast<double>(record_.counters[kNetworkFrequency]) / 100;
@@ -107,6 +111,7 @@ void A700Inverter::start_family() {
                    Storage::kRamOnly);
     }
   }
+  copy_parameter({pr::kTorqueCommand, 0}, {pr::kTorqueCommandRam, 0}, Storage::kRamOnly);
   // Pr.340 = 2 and 12 with restart (Pr.57): what was commanded before a short power failure goes on.
   if (remembered_.valid) {
     v_.network.command = remembered_.command;
@@ -120,6 +125,7 @@ void A700Inverter::stop_family(EepromRecord& record) {
                        v_.mode == OperationMode::kNetwork;
   remembered_ = {resumes, v_.network.command, v_.network.frequency_hz};
   keep_whole_seconds(record);
+  measure_main_capacitor(record);
   record.counters[kEnergyJoule] += static_cast<std::int64_t>(s_.energy_j);
   open_contactors();
   eeprom_changed_ = true;
@@ -135,6 +141,9 @@ void A700Inverter::keep_whole_seconds(EepromRecord& record) {
   record.counters[kSavedJoule] += std::llround(s_.supply.saving.saved_kws() * 1000);
   record.counters[kSavingSeconds] += std::llround(s_.supply.saving.counted_s());
   s_.supply.saving.take();
+  const auto aged = static_cast<std::int64_t>(s_.capacitor_aged_s);
+  s_.capacitor_aged_s -= static_cast<double>(aged);
+  record.counters[kCapacitorAgeing] += aged;
 }
 
 void A700Inverter::count_family(EepromRecord& record) const {
@@ -143,10 +152,12 @@ void A700Inverter::count_family(EepromRecord& record) const {
   record.counters[kEnergyJoule] += static_cast<std::int64_t>(s_.energy_j);
   record.counters[kSavedJoule] += std::llround(s_.supply.saving.saved_kws() * 1000);
   record.counters[kSavingSeconds] += std::llround(s_.supply.saving.counted_s());
+  record.counters[kCapacitorAgeing] += static_cast<std::int64_t>(s_.capacitor_aged_s);
 }
 
 void A700Inverter::count(double dt_s) {
   s_.energized_s += dt_s;
+  s_.capacitor_aged_s += dt_s * ageing_rate(plant_.config().ambient_c);
   const plant::PlantMeasurements& m = plant_.measurements();
   if (m.gates_on) s_.energy_j += std::max(0.0, m.output_power_w) * dt_s;
   if (s_.energized_s < kHour_s) return;
@@ -227,7 +238,27 @@ void A700Inverter::follow_communication() {
   if (!v_.alarm.row) follow_causes_of_its_own();
 }
 
+// Pr.875 = 1: the motor decelerates first.
+void A700Inverter::follow_late_alarm() {
+  if (s_.late_alarm == LateAlarm::kNone && settings_.motor_alarms_wait) {
+    if (s_.thermal_relay_open) s_.late_alarm = LateAlarm::kThermalRelay;
+    const bool thermal = running() && settings_.electronic_thermal_a_rms > 0;
+    if (thermal && core_.outputs().motor_thermal_fraction >= 1) s_.late_alarm = LateAlarm::kMotorThermal;
+  }
+  if (s_.late_alarm == LateAlarm::kNone || running()) return;
+  const double now_s = to_seconds(now_);
+  switch (s_.late_alarm) {
+    case LateAlarm::kMotorThermal: raise("E.THM", at(now_s, "motor thermal, after the stop of Pr.875 = 1")); break;
+    case LateAlarm::kThermalRelay: raise("E.OHT", at(now_s, "thermal relay open, after the stop of Pr.875 = 1")); break;
+    case LateAlarm::kThermistor: raise("E.PTC", at(now_s, "thermistor hot, after the stop of Pr.875 = 1")); break;
+    case LateAlarm::kNone: break;
+  }
+  s_.late_alarm = LateAlarm::kNone;
+}
+
 void A700Inverter::follow_causes_of_its_own() {
+  follow_late_alarm();
+  if (v_.alarm.row) return;
   const double now_s = to_seconds(now_);
   const drive::DriveOutputs& out = core_.outputs();
   const auto absent = std::count(mains_.phase_present.begin(), mains_.phase_present.end(), false);
@@ -238,6 +269,10 @@ void A700Inverter::follow_causes_of_its_own() {
     raise("E.ILF", at(now_s, "an input phase is missing with Pr.872 = 1, judged"));
   } else if (s_.thermistor_hot.step(kPeriod_s, has_function(InputSignal::kPtc) && causes_.thermistor,
                                     kThermistorHot_s)) {
+    if (settings_.motor_alarms_wait && running()) {
+      if (s_.late_alarm == LateAlarm::kNone) s_.late_alarm = LateAlarm::kThermistor;
+      return;
+    }
     raise("E.PTC", at(now_s, "the thermistor at terminal AU has been hot for 10 s, judged"));
   } else if (out.current_detected && store_.integer(pr::kCurrentDetectionAlarm) == 1) {
     raise("E.CDO", at(now_s, "output current above Pr.150 with Pr.167 = 1"));
@@ -245,6 +280,10 @@ void A700Inverter::follow_causes_of_its_own() {
     const bool blackout = !breaker_ || absent > 1 || mains_.voltage_v_rms < kBlackoutShare * nominal_mains_v_rms_;
     raise(blackout ? "E.IPF" : "E.UVT", at(now_s, blackout ? "the supply failed while running, judged"
                                                            : "the supply was too low while running, judged"));
+  } else if (password_shuts_option_out()) {
+    raise("E.OPT", at(now_s, "a password with Pr.296 = 0 or 100 and a network option, seen"));
+  } else if (settings_.vector.on && settings_.vector.torque_control && store_.integer(pr::kTorqueSource) >= 3) {
+    raise("E.OPT", at(now_s, "Pr.804 takes the torque command from an option that is not fitted, seen"));
   } else {
     const bool current_2 = store_.integer(pr::kAnalogSelection) % 10 >= 6;
     const bool current_4 = store_.integer(pr::kTerminal4Input) == 0;
@@ -356,6 +395,8 @@ std::optional<Refusal> A700Inverter::command_parameter(unsigned number, std::int
       s_.line_errors = 0;
       record_.counters[kLineErrors] = 0;
       break;
+    case pr::kMainCapacitorMeasuring: record_.counters[kMainCapacitorMeasuring] = raw; break;
+    case pr::kPassword: return enter_password(raw);
     case pr::kMaintenanceTimer:
       if (raw != 0) return Refusal::kOutOfRange;
       keep_whole_seconds(record_);
@@ -381,10 +422,12 @@ std::int32_t A700Inverter::command_value(unsigned number) const {
     case pr::kGroupRemove: return kRaw9999;
     case pr::kGroupBatch: return record_.groups[0].count;
     case pr::kErrorCount: return static_cast<std::int32_t>(std::min<std::int64_t>(s_.line_errors, 65535));
-    case pr::kLifeAlarm: return causes_.fan ? 4 : 0;  // bit 2: cooling fan
+    case pr::kLifeAlarm: return life_alarms();
     case pr::kInrushLife:
     case pr::kControlCapacitorLife:
-    case pr::kMainCapacitorLife: return 100;
+    case pr::kMainCapacitorLife: return part_percent(number);
+    case pr::kMainCapacitorMeasuring: return static_cast<std::int32_t>(record_.counters[kMainCapacitorMeasuring]);
+    case pr::kPassword: return shown_password();
     case pr::kMaintenanceTimer:
       return static_cast<std::int32_t>(std::clamp<std::int64_t>(
           (record_.counters[kMaintenanceSeconds] + static_cast<std::int64_t>(s_.energized_s)) / 360000, 0, 9998));
@@ -400,6 +443,13 @@ void A700Inverter::link_parameters(unsigned number, Storage storage) {
     case pr::kVoltageInputGain: copy_parameter({pr::kVoltageInputGain, 0}, {pr::kVoltageGain, 1}, storage); break;
     case pr::kVoltageGain: copy_parameter({pr::kVoltageGain, 1}, {pr::kVoltageInputGain, 0}, storage); break;
     case pr::kCurrentInputGain: copy_parameter({pr::kCurrentInputGain, 0}, {pr::kCurrentGain, 1}, storage); break;
+    // One torque command, of which Pr.806 is kept.
+    case pr::kTorqueCommandRam:
+      copy_parameter({pr::kTorqueCommandRam, 0}, {pr::kTorqueCommand, 0}, Storage::kRamOnly);
+      break;
+    case pr::kTorqueCommand:
+      copy_parameter({pr::kTorqueCommand, 0}, {pr::kTorqueCommandRam, 0}, Storage::kRamOnly);
+      break;
     case pr::kCurrentGain: copy_parameter({pr::kCurrentGain, 1}, {pr::kCurrentInputGain, 0}, storage); break;
     default: break;
   }

@@ -9,6 +9,7 @@
 #include "motor_model/drive/traverse.hpp"
 #include "motor_model/inverter/a700/communication_error.hpp"
 #include "motor_model/inverter/a700/du07.hpp"
+#include "motor_model/inverter/a700/motor_settings.hpp"
 #include "motor_model/inverter/a700/operation_mode.hpp"
 #include "motor_model/inverter/a700/supply.hpp"
 #include "motor_model/inverter/a700/tables.hpp"
@@ -21,6 +22,47 @@ inline constexpr std::string_view kFamily = "fr-a700";
 
 const mitsubishi::Personality& personality(bool large = false);
 
+// SettingsSelection::variant: bits.
+enum Variant : std::uint32_t {
+  kRestartOff = 1,          // CS is assigned and off
+  kBoostForward = 2,        // X17 with Pr.14 = 4 and 5
+  kHeldByX13 = 4,           // Pr.11 = 8888 and X13 on
+  kSecondSPattern = 8,      // X20
+  kSecondMotor = 16,        // RT with Pr.450
+  kTorqueByMc = 32,         // MC with Pr.800 or 451 = 12
+  kAboveSwitch = 64,        // above Pr.147
+  kAboveSecondStall = 128,  // above Pr.49
+  kAboveThirdStall = 256,   // above Pr.115
+  kFailureStop = 512,       // deceleration at a power failure ...
+  kFailureSlow = 1024,      // ... below Pr.266
+  kContact = 2048,          // stop-on-contact ...
+  kContactSlow = 4096,      // ... at low output frequency
+};
+
+// Positions in EepromRecord::counters.
+enum Counter : std::size_t {
+  kEnergizedSeconds,
+  kEnergyJoule,
+  kLineErrors,
+  kMaintenanceSeconds,
+  kNetworkFrequency,
+  kInrushOperations,
+  kCapacitorAgeing,  // seconds at 40 degC
+  kMainCapacitorPercent,
+  kMainCapacitorMeasuring,
+  kPasswordSet,
+  kPasswordErrors,
+  kSavedJoule,
+  kSavingSeconds,
+  kEnergyLimit,  // last write of Pr.170 that was no clear: 10, or 0 for 9999
+  kSavingMode,   // of Pr.898: 1, 10, or 0 for 9999
+  kCounters,
+};
+
+// With Pr.875 = 1 the motor decelerates before these.
+enum class LateAlarm : std::uint8_t { kNone, kMotorThermal, kThermalRelay, kThermistor };
+VINV_ENUM_RANGE(LateAlarm, kNone, kThermistor);
+
 // Lost with the control supply, beyond what every family has.
 struct State {
   bool alive = false;  // since power-on
@@ -29,6 +71,14 @@ struct State {
   bool external_jog = false;
   bool reversed = false;  // the analog frequency is negative: the other direction
   AnalogFilter input_1;
+  double percent_1 = 0;  // terminals 1 and 4, filtered
+  double percent_4 = 0;
+  bool second_motor = false;
+  double backward_limit_hz = -1;  // torque control: DriveCommand's
+  AnalogFilter am;
+  double capacitor_aged_s = 0;  // not yet in the record
+  bool thermal_relay_open = false;
+  LateAlarm late_alarm = LateAlarm::kNone;
   drive::OnDelay phase_lost;
   drive::OnDelay thermistor_hot;
   drive::OnDelay sleep_due;
@@ -49,23 +99,11 @@ struct State {
   double energy_j = 0;
   std::int64_t line_errors = 0;  // not all in the record
   Supply supply;
-  VINV_ARCHIVE(State, alive, raw_pr340, communication, external_jog, reversed, input_1, phase_lost, thermistor_hot,
-               sleep_due, asleep, pid_started, pid_set_point, pid_measured, current_peak_a, dc_link_peak_v, was_running,
-               overloaded, brake, brake_open, last_direction, traverse, traversing, energized_s, energy_j, line_errors,
-               supply);
-};
-
-// Positions in EepromRecord::counters.
-enum Counter : std::size_t {
-  kEnergizedSeconds,
-  kEnergyJoule,
-  kLineErrors,
-  kMaintenanceSeconds,
-  kNetworkFrequency,
-  kSavedJoule,
-  kSavingSeconds,
-  kEnergyLimit,  // last write of Pr.170 that was no clear: 10, or 0 for 9999
-  kSavingMode,   // of Pr.898: 1, 10, or 0 for 9999
+  VINV_ARCHIVE(State, alive, raw_pr340, communication, external_jog, reversed, input_1, percent_1, percent_4,
+               second_motor, backward_limit_hz, am, capacitor_aged_s, thermal_relay_open, late_alarm, phase_lost,
+               thermistor_hot, sleep_due, asleep, pid_started, pid_set_point, pid_measured, current_peak_a,
+               dc_link_peak_v, was_running, overloaded, brake, brake_open, last_direction, traverse, traversing,
+               energized_s, energy_j, line_errors, supply);
 };
 
 // What a short power failure leaves with Pr.340 = 2 or 12.
@@ -100,9 +138,11 @@ class A700Inverter final : public mitsubishi::MitsubishiInverter {
   drive::DriveSettings make_settings(const mitsubishi::SettingsSelection& selection) const override;
   void follow_communication() override;
   void publish_family(OutputSignals& outputs) override;
-  void add_command(drive::DriveCommand& command, drive::Sensors& sensors) override;
+  void add_command(const mitsubishi::Inputs& inputs, drive::DriveCommand& command, drive::Sensors& sensors) override;
   std::optional<port::Refusal> command_parameter(unsigned number, std::int32_t raw) override;
   std::int32_t command_value(unsigned number) const override;
+  std::optional<std::string> not_fitted(unsigned number, std::int32_t raw) const override;
+  TuningNumbers tuning_numbers() const override;
   void link_parameters(unsigned number, Storage storage) override;
   bool in_user_group(unsigned number) const override;
   bool network_commands() const override { return option_works() && store_.value(550) != 1; }
@@ -160,6 +200,24 @@ class A700Inverter final : public mitsubishi::MitsubishiInverter {
   double saving_value() const;  // monitor 50
   double saved_value() const;   // monitor 51
   int monitor_decimals(const MonitorRow& row) const;
+  void follow_late_alarm();
+  // --- life of parts (part_life.cpp) ---
+  int part_percent(unsigned number) const;
+  int life_alarms() const;
+  void measure_main_capacitor(EepromRecord& record) const;
+  // --- password (password.cpp) ---
+  bool locked(Writer writer, unsigned number, bool write) const override;
+  std::optional<port::Refusal> enter_password(std::int32_t raw);
+  std::int32_t shown_password() const;
+  bool password_shuts_option_out() const;
+  void cleared(ClearKind kind) override;
+  // --- vector control (inverter_torque.cpp) ---
+  void follow_motor(const mitsubishi::Inputs& inputs);
+  MotorSelection motor_selection(const mitsubishi::SettingsSelection& selection) const;
+  bool terminal_4_sets_frequency() const;
+  double torque_command_percent() const;
+  double speed_limit(double set_hz, bool reverse);
+  void follow_torque(drive::DriveCommand& command, const mitsubishi::Inputs& inputs);
   double monitor_value(unsigned code) const;  // physical; 0 for what is not fitted
   double meter_share(unsigned code) const;    // of full scale
   port::SpeedConversion speed_conversion() const;

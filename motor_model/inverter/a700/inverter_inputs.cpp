@@ -102,14 +102,18 @@ Inputs A700Inverter::read_inputs() {
   if (!running()) s_.external_jog = jog_possible && in.signals.has(InputSignal::kJog);
   if (s_.external_jog && !in.signals.has(InputSignal::kJog)) in.direction = RunDirection::kStop;
   s_.brake_open = in.signals.has(InputSignal::kBri);
-  if (s_.communication.stopping()) in.direction = RunDirection::kStop;
+  follow_motor(in);
+  s_.thermal_relay_open = in.external_thermal;
+  if (s_.communication.stopping() || s_.late_alarm != LateAlarm::kNone) in.direction = RunDirection::kStop;
   if (in.direction == RunDirection::kStop && !running()) s_.asleep = s_.pid_started = false;
   return in;
 }
 
 double A700Inverter::analog_percent_2() {
   const AnalogSelection a = analog_selection(store_.integer(pr::kAnalogSelection));
-  return filtered_percent(v_.input_2, std::min(100.0, wiring_.at(AnalogInput::k2) / a.full_scale_2 * 100));
+  // Pr.849 moves the whole input, so that noise around zero does not turn the motor.
+  const double offset = store_.value(pr::kAnalogOffset) - 100;
+  return filtered_percent(v_.input_2, std::min(100.0, wiring_.at(AnalogInput::k2) / a.full_scale_2 * 100 + offset));
 }
 
 double A700Inverter::analog_percent_4() {
@@ -145,7 +149,9 @@ double A700Inverter::traverse(const Inputs& inputs, double set_hz) {
       set_hz);
 }
 
-double A700Inverter::set_frequency(const Inputs& inputs) { return traverse(inputs, source_frequency(inputs)); }
+double A700Inverter::set_frequency(const Inputs& inputs) {
+  return speed_limit(traverse(inputs, source_frequency(inputs)), inputs.direction == RunDirection::kReverse);
+}
 
 double A700Inverter::source_frequency(const Inputs& inputs) {
   // All inputs are followed in every mode, so that a change of source meets a settled filter.
@@ -154,6 +160,8 @@ double A700Inverter::source_frequency(const Inputs& inputs) {
   const double percent_4 = analog_percent_4();
   const double percent_1 = filtered_percent(
       s_.input_1, std::clamp(wiring_.at(AnalogInput::k1) / analog.full_scale_1_v * 100, -100.0, 100.0));
+  s_.percent_1 = percent_1;
+  s_.percent_4 = percent_4;
   s_.reversed = false;
   follow_sleep(inputs);
   v_.pid_active = false;
@@ -186,7 +194,7 @@ double A700Inverter::source_frequency(const Inputs& inputs) {
   const AnalogLine line_2 = line_of(store_, pr::kVoltageBias, pr::kVoltageGain);
   const AnalogLine line_4 = line_of(store_, pr::kCurrentBias, pr::kCurrentGain);
   double main_hz = 0;
-  if (v_.mode != OperationMode::kPu && inputs.signals.has(InputSignal::kAu)) {
+  if (v_.mode != OperationMode::kPu && inputs.signals.has(InputSignal::kAu) && terminal_4_sets_frequency()) {
     main_hz = line_4.frequency(percent_4) + compensation * store_.value(pr::kCompensation4) / 100;
   } else if (network_sets) {
     main_hz = v_.network.frequency_hz + gated;
@@ -271,7 +279,7 @@ Outcome A700Inverter::set_reference(double hz) {
     return Unexpected(
         std::string("under PID control (X14) the input is a set point, not a frequency: set it by analog"));
   }
-  const bool terminal_4 = wired_signals().has(InputSignal::kAu);
+  const bool terminal_4 = wired_signals().has(InputSignal::kAu) && terminal_4_sets_frequency();
   const AnalogSelection analog = analog_selection(store_.integer(pr::kAnalogSelection));
   if (!terminal_4 && analog.override) {
     return Unexpected(std::string("with Pr.73 = 4, 5, 14 or 15 terminal 2 is an override: set it by analog"));

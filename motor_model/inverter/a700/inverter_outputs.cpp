@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "motor_model/inverter/a700/alarm_code.hpp"
 #include "motor_model/inverter/a700/inverter.hpp"
 #include "motor_model/inverter/a700/parameter_numbers.hpp"
 
@@ -39,6 +40,14 @@ std::uint16_t A700Inverter::terminal_bits() const {
 }
 
 bool A700Inverter::output_on(std::size_t terminal, OutputSignal signal) const {
+  // Pr.76: terminals SU, IPF, OL and FU are bits 3 to 0 of the alarm's code; 2 while there is an alarm only. The logic of
+  // their functions does not turn them.
+  const int coded = store_.integer(pr::kAlarmCode);
+  if (terminal >= 1 && terminal <= 4 && (coded == 1 || (coded == 2 && v_.published.status.alarm))) {
+    const auto function = data_.signals.output(store_.integer(personality_.outputs[terminal].function));
+    const bool bit = (alarm_code(active_alarm()) >> (4 - terminal) & 1) != 0;
+    return bit != (function && function->inverted);
+  }
   // Remote output: one bit of Pr.496 for each terminal.
   if (signal == OutputSignal::kRem) return (store_.integer(pr::kRemoteOutput1) >> terminal & 1) != 0;
   return MitsubishiInverter::output_on(terminal, signal);
@@ -99,7 +108,9 @@ double A700Inverter::monitor_value(unsigned code) const {
       if (record_.counters[kEnergyLimit] == 10) return std::min(shifted, 9999.0);
       return store_.is_9999(pr::kMonitorShift) ? std::fmod(shifted, 65536) : std::min(shifted, 65535.0);
     }
-    case 32: return vector_control() && m.gates_on ? std::abs(torque_percent) : 0;
+    case 32: return out.gates_on && settings_.vector.on ? std::abs(out.torque_command_percent)
+                    : vector_control() && m.gates_on  ? std::abs(torque_percent)
+                                                      : 0;
     case 33: return vector_control() && m.gates_on ? active / rated_active * 100 : 0;
     case 34: return vector_control() && m.gates_on ? std::max(0.0, m.shaft_power_w) / 1000 : 0;
     case 50: return saving_value();
@@ -198,7 +209,7 @@ void A700Inverter::publish_family(OutputSignals& o) {
   o.set(OutputSignal::kPid, v_.pid_active);
   o.set(OutputSignal::kSleep, s_.asleep);
   o.set(OutputSignal::kY64, v_.retry.phase == mitsubishi::Retry::Phase::kWaiting);
-  o.set(OutputSignal::kY90, causes_.fan);
+  o.set(OutputSignal::kY90, life_alarms() != 0);
   o.set(OutputSignal::kY91, v_.alarm.row && data_.alarms.rows()[*v_.alarm.row].reset == ResetRule::kPowerCycle);
   const bool maintenance = !store_.is_9999(pr::kMaintenanceLimit) &&
                            command_value(pr::kMaintenanceTimer) >= store_.integer(pr::kMaintenanceLimit);
@@ -207,12 +218,15 @@ void A700Inverter::publish_family(OutputSignals& o) {
   o.set(OutputSignal::kLf, causes_.fan || v_.network.communication_lost);
   o.set(OutputSignal::kEr, p.status.overload || out.motor_thermal_fraction >= kPreAlarm || maintenance || causes_.fan);
 
-  p.am_v = std::clamp(meter_share(static_cast<unsigned>(store_.integer(pr::kAmSelection))) * kMeterFullScale_v *
+  const double am_v = std::clamp(meter_share(static_cast<unsigned>(store_.integer(pr::kAmSelection))) * kMeterFullScale_v *
                           store_.value(pr::kAmCalibration) / 100,
                       0.0, kMeterFullScale_v);
+  p.am_v = s_.am.step(am_v, kPeriod_s, store_.value(pr::kAmFilter));
 }
 
-void A700Inverter::add_command(drive::DriveCommand& command, drive::Sensors& sensors) {
+void A700Inverter::add_command(const mitsubishi::Inputs& inputs, drive::DriveCommand& command,
+                               drive::Sensors& sensors) {
+  follow_torque(command, inputs);
   if (s_.asleep) command.direction = RunDirection::kStop;
   if (s_.reversed) {
     command.direction = command.direction == RunDirection::kForward   ? RunDirection::kReverse
@@ -227,10 +241,11 @@ void A700Inverter::add_command(drive::DriveCommand& command, drive::Sensors& sen
   follow_brake(command, sensors);
 }
 
-std::string four_digits(double value) {
+std::string four_digits(double value, int most_decimals) {
   char text[32];
   const double v = std::abs(value);
-  std::snprintf(text, sizeof text, v < 99.995 ? "%.2f" : v < 999.95 ? "%.1f" : "%.0f", value);
+  const int decimals = v < 99.995 ? 2 : v < 999.95 ? 1 : 0;
+  std::snprintf(text, sizeof text, "%.*f", std::min(decimals, most_decimals), value);
   return text;
 }
 
@@ -249,6 +264,22 @@ Du07 A700Inverter::du07() const {
   d.reverse = p.status.reverse                                  ? Lamp::kOn
               : v_.direction == RunDirection::kReverse && waits ? Lamp::kFlicker
                                                                 : Lamp::kOff;
+  const drive::DriveOutputs& out = core_.outputs();
+  if (v_.panel.stopped_by_panel) {
+    d.warning = "PS";
+  } else if (out.overload) {
+    d.warning = "OL";
+  } else if (out.speed_limited) {
+    d.warning = "SL";
+  } else if (out.brake_duty_fraction >= kPreAlarm) {
+    d.warning = "RB";
+  } else if (out.motor_thermal_fraction >= kPreAlarm) {
+    d.warning = "TH";
+  } else if (v_.published.outputs.has(OutputSignal::kY95)) {
+    d.warning = "MT";
+  } else if (causes_.fan) {
+    d.warning = "FN";
+  }
   if (v_.in_reset) {
     d.digits = "Err.";
   } else if (now_ < v_.ready_at) {
@@ -291,7 +322,8 @@ Du07 A700Inverter::du07() const {
     std::snprintf(text, sizeof text, "%.0f", std::min(value, 9999.0));
     d.digits = text;
   } else {
-    d.digits = four_digits(value);
+    // Pr.268: no more decimals than these.
+    d.digits = four_digits(value, store_.is_9999(pr::kMonitorDigits) ? 2 : store_.integer(pr::kMonitorDigits));
   }
   return d;
 }

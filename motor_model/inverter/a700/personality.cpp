@@ -45,7 +45,7 @@ constexpr std::array<AnalogTerminal, 3> kAnalogs{{
     {"4", AnalogInput::k4, 0, 40, "V or mA"},
     {"1", AnalogInput::k1, -10, 10, "V"},
 }};
-constexpr std::array<CauseName, 12> kCauses{{
+constexpr std::array<CauseName, 15> kCauses{{
     {"earth_fault", &Causes::earth_fault},
     {"output_phase_open", &Causes::output_phase_open},
     {"brake_transistor", &Causes::brake_transistor},
@@ -58,10 +58,25 @@ constexpr std::array<CauseName, 12> kCauses{{
     {"heat_sink_sensor", &Causes::heat_sink_sensor},
     {"thermistor", &Causes::thermistor},
     {"fan", &Causes::fan},
+    {"inrush_circuit", &Causes::inrush_circuit},
+    {"control_capacitor", &Causes::control_capacitor},
+    {"main_capacitor", &Causes::main_capacitor},
 }};
-constexpr std::array<std::string_view, 9> kCounters{
-    "energized_seconds", "energy_joule",   "line_errors",  "maintenance_seconds", "network_frequency_0.01Hz",
-    "saved_joule",       "saving_seconds", "energy_limit", "saving_mode"};
+constexpr std::array<std::string_view, kCounters> kCounterNames{"energized_seconds",
+                                                                "energy_joule",
+                                                                "line_errors",
+                                                                "maintenance_seconds",
+                                                                "network_frequency_0.01Hz",
+                                                                "inrush_operations",
+                                                                "capacitor_ageing_seconds",
+                                                                "main_capacitor_percent",
+                                                                "main_capacitor_measuring",
+                                                                "password",
+                                                                "password_errors",
+                                                                "saved_joule",
+                                                                "saving_seconds",
+                                                                "energy_limit",
+                                                                "saving_mode"};
 
 }  // namespace
 
@@ -77,7 +92,7 @@ const mitsubishi::Personality& personality(bool large) {
         .causes = kCauses,
         .mode_writes = 3,
         .clear_writes = 4,
-        .counters = kCounters,
+        .counters = kCounterNames,
     };
   };
   static const mitsubishi::Personality small = make(false);

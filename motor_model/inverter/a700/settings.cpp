@@ -1,8 +1,10 @@
 // FR-A700 parameters to drive::DriveSettings, beyond what the families share. Typical for the family.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "motor_model/inverter/a700/inverter.hpp"
+#include "motor_model/inverter/a700/motor_settings.hpp"
 #include "motor_model/inverter/a700/parameter_numbers.hpp"
 
 namespace vinv::inverter::a700 {
@@ -11,23 +13,13 @@ namespace {
 using mitsubishi::or_else;
 using mitsubishi::SettingsSelection;
 
-// SettingsSelection::variant: bits.
-enum Variant : std::uint32_t {
-  kRestartOff = 1,      // CS is assigned and off
-  kBoostForward = 2,    // X17 with Pr.14 = 4 and 5
-  kSecondSPattern = 8,  // X20
-  kHeldByX13 = 4,       // Pr.11 = 8888 and X13 on
-  kFailureStop = 16,    // deceleration at a power failure ...
-  kFailureSlow = 32,    // ... below Pr.266
-  kContact = 64,        // stop-on-contact ...
-  kContactSlow = 128,   // ... at low output frequency
-};
-
 void set_second_and_third(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
   if (selection.second) {
     s.electronic_thermal_a_rms = or_else(p, pr::kSecondThermal, s.electronic_thermal_a_rms);
-    // Pr.49: 0 leaves the first level in force, 9999 switches at every frequency.
-    if (p.value(pr::kSecondStallFrequency) != 0) s.stall_level_percent = p.value(pr::kSecondStallLevel);
+    // Pr.49: 0 leaves the first level in force; up to this frequency the second one holds, 9999 at every frequency.
+    if (p.value(pr::kSecondStallFrequency) != 0 && (selection.variant & kAboveSecondStall) == 0) {
+      s.stall_level_percent = p.value(pr::kSecondStallLevel);
+    }
   }
   if (!selection.third) return;
   // Pr.110 and Pr.112 to Pr.114: 9999 leaves the third function without effect.
@@ -39,7 +31,8 @@ void set_second_and_third(drive::DriveSettings& s, const ParameterStore& p, cons
   if (!p.is_9999(pr::kThirdBaseFrequency)) {
     s.base_frequency_hz = s.cushion_pattern_base_hz = p.value(pr::kThirdBaseFrequency);
   }
-  if (p.value(pr::kThirdStallFrequency) != 0) s.stall_level_percent = p.value(pr::kThirdStallLevel);
+  if (p.value(pr::kThirdStallFrequency) != 0 && (selection.variant & kAboveThirdStall) == 0)
+    s.stall_level_percent = p.value(pr::kThirdStallLevel);
 }
 
 void set_pattern(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
@@ -61,9 +54,42 @@ void set_pattern(drive::DriveSettings& s, const ParameterStore& p, const Setting
       s.s_time_deceleration_s = s.deceleration_s * p.value(up + 1) / 100;
       break;
     }
+    case 5:
+      s.ramp_pattern = drive::RampPattern::kSCurveD;
+      s.s_time_acceleration_s = p.value(pr::kSPatternBeginUp);
+      s.s_end_acceleration_s = p.value(pr::kSPatternEndUp);
+      s.s_time_deceleration_s = p.value(pr::kSPatternBeginDown);
+      s.s_end_deceleration_s = p.value(pr::kSPatternEndDown);
+      break;
     default: s.ramp_pattern = drive::RampPattern::kLinear;
   }
 }
+
+// Pr.292: 1 and 11 the shortest ramps, without and with a brake resistor; 3 ramps within the rated current. Pr.293
+// keeps one of the two set times, Pr.61 to 63 change the reference.
+void set_automatic(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
+  const int mode = p.integer(pr::kAutomaticAcceleration);
+  if ((mode != 1 && mode != 3 && mode != 11) || selection.jog || s.vector.on) return;
+  const double reference = or_else(p, pr::kReferenceCurrent, s.rated_current_a_rms);
+  const double percent = mode == 3 ? 100 : 150;
+  const int only = p.integer(pr::kAutomaticSeparate);
+  s.shortest_acceleration = only != 2;
+  s.shortest_deceleration = only != 1;
+  s.shortest_watches_link = mode != 11;
+  s.shortest_current_acceleration_a_rms = reference * or_else(p, pr::kReferenceAcceleration, percent) / 100;
+  s.shortest_current_deceleration_a_rms = reference * or_else(p, pr::kReferenceDeceleration, percent) / 100;
+}
+
+// Pr.292 = 5 and 6: elevator mode, of which the starting frequency and the stall level are here.
+void set_elevator(drive::DriveSettings& s, const ParameterStore& p) {
+  const int mode = p.integer(pr::kAutomaticAcceleration);
+  if ((mode != 5 && mode != 6) || s.vector.on) return;
+  s.start_frequency_hz = or_else(p, pr::kElevatorStart, 2);
+  const double reference = or_else(p, pr::kReferenceCurrent, s.rated_current_a_rms) / s.rated_current_a_rms;
+  s.stall_level_percent = reference * or_else(p, pr::kReferenceAcceleration, mode == 5 ? 150 : 180);
+}
+
+bool around_400v(const mitsubishi::SettingsSurroundings& s) { return s.model->voltage_class_v >= 400; }
 
 // Pr.71 = 2 with Pr.19 set: Pr.100 to Pr.109. Not in vector control.
 void set_vf_points(drive::DriveSettings& s, const ParameterStore& p) {
@@ -140,11 +166,18 @@ SettingsSelection A700Inverter::selection(const mitsubishi::Inputs& in) const {
   if (in.signals.has(InputSignal::kX17)) s.variant |= kBoostForward;
   if (in.signals.has(InputSignal::kX13)) s.variant |= kHeldByX13;
   if (in.signals.has(InputSignal::kX20)) s.variant |= kSecondSPattern;
+  if (s_.second_motor) s.variant |= kSecondMotor;
+  if (in.signals.has(InputSignal::kMc)) s.variant |= kTorqueByMc;
+  const double hz = std::abs(core_.outputs().output_frequency_hz);
+  const auto above = [&](unsigned number) { return !store_.is_9999(number) && hz > store_.value(number); };
+  if (above(pr::kRampSwitchFrequency)) s.variant |= kAboveSwitch;
+  if (above(pr::kSecondStallFrequency)) s.variant |= kAboveSecondStall;
+  if (above(pr::kThirdStallFrequency)) s.variant |= kAboveThirdStall;
   return s;
 }
 
 bool A700Inverter::vector_control() const {
-  return !store_.is_9999(pr::kMotorCapacity) && !store_.is_9999(pr::kMotorPoles) && !settings_selection_.vf_by_x18;
+  return control_method(store_, motor_selection(settings_selection_)) != ControlMethod::kVf;
 }
 
 drive::DriveSettings A700Inverter::make_settings(const SettingsSelection& selection) const {
@@ -156,26 +189,44 @@ drive::DriveSettings A700Inverter::make_settings(const SettingsSelection& select
   if (pattern >= 4 && (selection.variant & kBoostForward) == 0) {
     s.load_pattern = pattern == 4 ? drive::LoadPattern::kHoistBoostForward : drive::LoadPattern::kHoistBoostReverse;
   }
+  // Pr.147: above it the second ramp times hold.
+  if ((selection.variant & kAboveSwitch) != 0 && !selection.second && !selection.third && !selection.jog) {
+    s.acceleration_s = p.value(pr::kSecondRamp);
+    s.deceleration_s = or_else(p, pr::kSecondDeceleration, s.acceleration_s);
+  }
   set_second_and_third(s, p, selection);
-  const bool vector = !p.is_9999(pr::kMotorCapacity) && !p.is_9999(pr::kMotorPoles) && !selection.vf_by_x18;
-  if (vector) {
-    mitsubishi::set_vector_control(s, p, mitsubishi::standard_motor(surroundings(), p.value(pr::kMotorCapacity)));
+  const MotorSelection motor = motor_selection(selection);
+  const plant::MachineParameters& machine = plant_.config().machine;
+  // What the drive knows of its motor's inertia.
+  const double shaft_rad_s = machine.rated_speed_rpm * std::numbers::pi / 30;
+  const double start_s = machine.inertia_kg_m2 * shaft_rad_s * shaft_rad_s / std::max(machine.rated_power_w, 1.0);
+  set_motor(s, p, motor, surroundings(), start_s);
+  if (control_method(p, motor) == ControlMethod::kVf) {
+    set_vf_points(s, p);
+  } else {
     s.droop_hz = s.base_frequency_hz * p.value(pr::kDroopGain) / 100;
     s.droop_filter_s = p.value(pr::kDroopFilter);
     s.droop_in_ramps = p.integer(pr::kDroopActivation) % 10 != 0;
-  } else {
-    set_vf_points(s, p);
   }
+  set_automatic(s, p, selection);
+  set_elevator(s, p);
   if (!p.is_9999(pr::kHoldTime)) s.start_hold_s = p.value(pr::kHoldTime);
-  // Pr.71: 1, 4, 13-18, 23, 33, 43 and 53 are constant-torque motors.
-  const int motor = p.integer(pr::kAppliedMotor);
-  s.motor_forced_cooling = motor == 1 || motor == 4 || (motor >= 13 && motor <= 18) || motor == 23 || motor == 33 ||
-                           motor == 43 || motor == 53;
   // Pr.10: 9999 brakes from the starting frequency on.
   if (p.is_9999(pr::kDcBrakeFrequency)) s.dc_brake_frequency_hz = p.value(pr::kStartingFrequency);
   // Pr.11 = 8888: as long as X13 is on.
   if (p.value(pr::kDcBrakeTime) == 8888) s.dc_brake_s = (selection.variant & kHeldByX13) != 0 ? 1e9 : 0;
   s.earth_fault_detection = true;
+  s.current_detect_hold_s = or_else(p, pr::kCurrentDetectionHold, -1);
+  s.motor_alarms_wait = p.integer(pr::kFaultDefinition) == 1;
+  if (!p.is_9999(pr::kUndervoltageLevel) && around_400v(surroundings())) {
+    s.under_voltage_v = p.value(pr::kUndervoltageLevel);
+    s.under_voltage_clear_v = std::max(s.under_voltage_clear_v, s.under_voltage_v);
+  }
+  // Vector control knows four carriers.
+  if (s.vector.on) {
+    const int carrier = p.integer(pr::kCarrier);
+    s.carrier_hz = carrier <= 5 ? 2000 : carrier <= 9 ? 6000 : carrier <= 13 ? 10000 : 14000;
+  }
   if (p.integer(pr::kRegenerative) % 10 == 1) s.chopper_duty_percent = p.value(pr::kBrakeDuty);
   if ((selection.variant & kRestartOff) != 0) s.restart_enabled = false;
   set_restart(s, p);

@@ -83,10 +83,23 @@ class MitsubishiInverter : public Inverter, protected port::DrivePort {
   virtual void follow_communication() = 0;  // a lost line, a failed option; every tick while ready
   // Signals of the output terminals and meters beyond those of every family.
   virtual void publish_family(OutputSignals& outputs) = 0;
-  virtual void add_command(drive::DriveCommand&, drive::Sensors&) {}
+  // May change settings_ for this tick, too.
+  virtual void add_command(const Inputs&, drive::DriveCommand&, drive::Sensors&) {}
   // Parameters that are commands: what a write does, what a read shows.
   virtual std::optional<port::Refusal> command_parameter(unsigned number, std::int32_t raw) = 0;
   virtual std::int32_t command_value(unsigned number) const = 0;
+  // What auto tuning reads and writes for the motor that runs: its setting, capacity and stator resistance.
+  struct TuningNumbers {
+    unsigned setting;
+    unsigned capacity;
+    unsigned r1;
+  };
+  virtual TuningNumbers tuning_numbers() const;
+  // Why a value cannot be: what it selects is not fitted.
+  virtual std::optional<std::string> not_fitted(unsigned, std::int32_t) const { return std::nullopt; }
+  // Locks beyond those of every family (a password).
+  virtual bool locked(Writer, unsigned, bool /*write*/) const { return false; }
+  virtual void cleared(ClearKind) {}
   // Parameters that are one value under two numbers.
   virtual void link_parameters(unsigned number, Storage storage) = 0;
   virtual bool in_user_group(unsigned number) const = 0;

@@ -40,7 +40,7 @@ std::int32_t MitsubishiInverter::shown_raw(std::size_t row) const {
     case ParameterKind::kCommand: return command_value(r.id.number);
     case ParameterKind::kOrdinary: break;
   }
-  if (r.id.number == pr::kAutoTuning && v_.tuning_status != TuningStatus::kOff) {
+  if (r.id.number == v_.tuned_setting && v_.tuning_status != TuningStatus::kOff) {
     return static_cast<std::int32_t>(v_.tuning_status);
   }
   return store_.raw(row);
@@ -92,28 +92,34 @@ std::optional<Refusal> MitsubishiInverter::write_parameter(std::size_t row, std:
     link_parameters(number, storage);
     if (storage == Storage::kRamAndEeprom) eeprom_written();
   }
-  if (number == pr::kAutoTuning) v_.tuning_status = TuningStatus::kOff;
+  if (number == v_.tuned_setting) v_.tuning_status = TuningStatus::kOff;
   return std::nullopt;
 }
 
 void MitsubishiInverter::clear_parameters(ClearKind kind, bool communication_too) {
   store_.clear(kind, communication_too);
+  cleared(kind);
   record_.groups = {};
   v_.tuning_status = TuningStatus::kOff;
   eeprom_written();
 }
 
+MitsubishiInverter::TuningNumbers MitsubishiInverter::tuning_numbers() const {
+  return {pr::kAutoTuning, pr::kMotorCapacity, pr::kMotorR1};
+}
+
 void MitsubishiInverter::store_tuned_resistance(double ohm) {
-  const auto row = data_.parameters.index(port::ParameterId{pr::kMotorR1, 0});
+  const auto row = data_.parameters.index(port::ParameterId{static_cast<std::uint16_t>(tuning_numbers().r1), 0});
   const auto raw = static_cast<std::int32_t>(std::lround(ohm * 1000));
   const ParameterRow& r = data_.parameters.rows()[*row];
   write_parameter(*row, std::min(raw, r.raw_maximum), Storage::kRamAndEeprom);
 }
 
-// Pr.96 goes back to 0, so that the next start runs the motor; its status is read until it is written again.
+// The setting goes back to 0, so that the next start runs the motor; its status is read until it is written again.
 void MitsubishiInverter::finish_tuning() {
   const TuningStatus status = v_.tuning_status;
-  write_parameter(*data_.parameters.index(port::ParameterId{pr::kAutoTuning, 0}), 0, Storage::kRamAndEeprom);
+  write_parameter(*data_.parameters.index(port::ParameterId{static_cast<std::uint16_t>(v_.tuned_setting), 0}), 0,
+                  Storage::kRamAndEeprom);
   v_.tuning_status = status;
 }
 
@@ -132,8 +138,10 @@ Outcome MitsubishiInverter::write_from_panel(std::size_t row, double value) {
       default: return Unexpected(r.label + " cannot be written while the inverter runs");
     }
   }
+  if (locked(Writer::kPanel, r.id.number, true)) return Unexpected(r.label + " is locked by a password (Pr.296, Pr.297)");
   const auto raw = store_.from_physical(row, value);
   if (!raw) return Unexpected(raw.error());
+  if (auto why = not_fitted(r.id.number, *raw)) return Unexpected(*std::move(why));
   if (write_parameter(row, *raw, Storage::kRamAndEeprom)) {
     return Unexpected(r.label + " takes the number of a parameter; a user group has room for " +
                       std::to_string(UserGroup::kCapacity));
@@ -173,6 +181,7 @@ Result<double, std::string> MitsubishiInverter::get_parameter(std::string_view n
   if (!row) return Unexpected("there is no parameter " + std::string(name) + " (write Pr.7, or Pr.902.1)");
   const ParameterRow& r = data_.parameters.rows()[*row];
   if (!in_user_group(r.id.number)) return Unexpected(not_in_group(r));
+  if (locked(Writer::kPanel, r.id.number, false)) return Unexpected(r.label + " is locked by a password (Pr.296, Pr.297)");
   return store_.physical(*row, shown_raw(*row));
 }
 
@@ -183,6 +192,7 @@ Outcome MitsubishiInverter::preset_parameter(std::string_view name, double value
   if (r.kind == ParameterKind::kManufacturer) return Unexpected(r.label + " cannot be written");
   const auto raw = store_.from_physical(*row, value);
   if (!raw) return Unexpected(raw.error());
+  if (auto why = not_fitted(r.id.number, *raw)) return Unexpected(*std::move(why));
   if (write_parameter(*row, *raw, Storage::kRamAndEeprom)) {
     return Unexpected(r.label + " takes the number of a parameter, not " + number_text(value));
   }

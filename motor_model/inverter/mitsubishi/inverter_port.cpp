@@ -19,6 +19,7 @@ Result<std::uint32_t, Refusal> MitsubishiInverter::read_parameter(port::Paramete
   if (!control_alive_) return Unexpected(Refusal::kNotReady);
   const auto row = data_.parameters.index(id);
   if (!row) return Unexpected(Refusal::kNoSuchItem);
+  if (locked(Writer::kNetwork, id.number, false)) return Unexpected(Refusal::kWriteDisabled);
   return static_cast<std::uint32_t>(shown_raw(*row));
 }
 
@@ -61,6 +62,10 @@ WriteOutcome MitsubishiInverter::decide(const WriteRequest& request) {
         return Unexpected(*refusal);
       }
       if (request.value > INT32_MAX || !data_.parameters.rows()[*row].accepts(request.value)) {
+        return Unexpected(Refusal::kOutOfRange);
+      }
+      if (locked(Writer::kNetwork, request.parameter.number, true)) return Unexpected(Refusal::kWriteDisabled);
+      if (not_fitted(request.parameter.number, static_cast<std::int32_t>(request.value))) {
         return Unexpected(Refusal::kOutOfRange);
       }
       const Storage storage = store_.integer(pr::kEepromWrite) == 1 ? Storage::kRamOnly : Storage::kRamAndEeprom;

@@ -148,8 +148,9 @@ plant::StageInput MitsubishiInverter::control() {
 
   const bool permit = now_ >= v_.ready_at && !v_.in_reset && v_.retry.phase != Retry::Phase::kWaiting;
   if (!v_.tuning.running() && permit && !v_.alarm.row && in.direction != RunDirection::kStop && !in.output_stop &&
-      !running() && store_.integer(pr::kAutoTuning) == 1 && !store_.is_9999(pr::kMotorCapacity)) {
+      !running() && store_.integer(tuning_numbers().setting) == 1 && !store_.is_9999(tuning_numbers().capacity)) {
     v_.tuning.start();
+    v_.tuned_setting = tuning_numbers().setting;
     v_.tuning_status = TuningStatus::kRunning;
   }
   // After a tuning run the start signal must go off before the motor turns.
@@ -176,6 +177,7 @@ plant::StageInput MitsubishiInverter::control() {
   sensors.earth_fault = causes_.earth_fault;
   sensors.output_phase_open = causes_.output_phase_open;
   sensors.rotor_frequency_hz = plant_.config().machine.pole_pairs * m.speed_rpm / 60;
+  sensors.torque_nm = m.torque_nm;
   for (std::size_t i = 0; i < events_.count; ++i) {
     const plant::PlantEvent& event = events_.items[i];
     switch (event.kind) {
@@ -189,7 +191,7 @@ plant::StageInput MitsubishiInverter::control() {
       sensors.comparator_after = event.after;
     }
   }
-  add_command(command, sensors);
+  add_command(in, command, sensors);
   const drive::DriveOutputs& out = core_.tick(kControlPeriod, settings, command, sensors);
   if (out.trip) raise_trip(*out.trip);
   if (v_.tuning.running()) return tune(in);

@@ -71,7 +71,8 @@ double steepest(const DriveSettings& s, double time_s) {
   switch (s.ramp_pattern) {
     case RampPattern::kLinear:
     case RampPattern::kBacklash:
-    case RampPattern::kSCurveC: return s.ramp_reference_hz / time_s;
+    case RampPattern::kSCurveC:
+    case RampPattern::kSCurveD: return s.ramp_reference_hz / time_s;
     case RampPattern::kSCurveA: return 9.0 / 8 * s.cushion_pattern_base_hz / time_s;
     case RampPattern::kSCurveB: return std::numbers::pi / 2 * s.ramp_reference_hz / time_s;
   }
