@@ -84,12 +84,13 @@ void answer_open(const ForwardOpen& open, std::uint32_t o2t_id, std::uint32_t t2
   reply.data.push_back(0);
 }
 
-// Which of the formats that a direction may have gives the size asked for; if none does, right is the size to ask for.
+// Which of the formats that a direction may have gives the size asked for; if none does, right is the size to ask for:
+// the usual one, with a header from the originator and without one from the target.
 std::optional<RealTimeFormat> match_format(const NetworkParameters& asked, std::size_t data, bool counted, bool header,
-                                           bool modeless, std::size_t& right) {
+                                           bool modeless, bool usual_is_header, std::size_t& right) {
   const std::size_t bare = data + (counted ? kSequenceCount : 0);
   const bool heartbeat = data == 0;  // nothing that could run or be idle
-  right = header && !heartbeat ? bare + kRunIdleHeader : bare;
+  right = header && !heartbeat && (usual_is_header || !modeless) ? bare + kRunIdleHeader : bare;
   const auto fits = [&](std::size_t size) { return asked.variable ? asked.size >= size : asked.size == size; };
   if (header && !heartbeat && fits(bare + kRunIdleHeader)) return RealTimeFormat::kHeader32;
   if ((modeless || heartbeat) && fits(bare)) return RealTimeFormat::kModeless;
@@ -258,9 +259,9 @@ ConnectionManager::Refusal ConnectionManager::check_sizes(const ForwardOpen& ope
   const std::size_t consumed = device_.io().consumed_size(c.consumed_point).value_or(0);
   const std::size_t produced = device_.io().produced_size(c.produced_point).value_or(0);
   std::size_t right = 0;
-  const auto o2t = match_format(open.o2t, consumed, counted, options_.o2t_header, options_.o2t_modeless, right);
+  const auto o2t = match_format(open.o2t, consumed, counted, options_.o2t_header, options_.o2t_modeless, true, right);
   if (!o2t || consumed > kMaxIoData) return refusal(ConnectionStatus::kInvalidO2tSize, right);
-  const auto t2o = match_format(open.t2o, produced, counted, options_.t2o_header, options_.t2o_modeless, right);
+  const auto t2o = match_format(open.t2o, produced, counted, options_.t2o_header, options_.t2o_modeless, false, right);
   if (!t2o || produced > kMaxIoData) return refusal(ConnectionStatus::kInvalidT2oSize, right);
   c.consumed_size = consumed;
   c.o2t_format = *o2t;

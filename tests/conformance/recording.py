@@ -36,3 +36,20 @@ def check_can_recording(path, frames=None):
     assert not others, "\n".join(others[:10])
     assert frames in (None, len(told)), f"{len(told)} frames in the recording, {frames} were on the bus"
     print(f"tshark: {len(told)} frames, none malformed")
+
+
+def check_eip_recording(path, explicit, io):
+    """At least so many explicit packets and so many that tshark can tell are I/O of a Forward_Open before; all are
+    dissected as EtherNet/IP and CIP."""
+    rule = "tcp.port==44818,enip"
+    broken = tshark(path, rule, "-Y", "_ws.malformed || _ws.expert.severity == error || ip.checksum.status == Bad || "
+                                      "tcp.checksum.status == Bad || udp.checksum.status == Bad",
+                    "-o", "ip.check_checksum:TRUE", "-o", "tcp.check_checksum:TRUE", "-o", "udp.check_checksum:TRUE")
+    assert not broken, "\n".join(broken[:20])
+    messages = tshark(path, rule, "-Y", "enip && cip && tcp")
+    packets = tshark(path, rule, "-Y", "enip && cipio && udp.port == 2222")
+    strange = tshark(path, rule, "-Y", "udp.port == 2222 && !cipio || tcp.len > 0 && !enip")
+    assert not strange, "\n".join(strange[:20])
+    assert len(messages) >= explicit, f"{len(messages)} explicit packets in the recording, at least {explicit} expected"
+    assert len(packets) >= io, f"{len(packets)} I/O packets in the recording, at least {io} expected"
+    print(f"tshark: {len(messages)} explicit packets, {len(packets)} I/O packets, none malformed")

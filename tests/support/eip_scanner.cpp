@@ -214,7 +214,7 @@ Opened EipScanner::open(const OpenOptions& o) {
   b.u32(0).u32(0x51000000u | o.connection_serial).u16(o.connection_serial).u16(o.vendor).u32(o.originator_serial);
   b.u8(o.timeout_multiplier).u8(0).u16(0);
   const auto parameters = [&](bool multicast, std::uint16_t size) {
-    const unsigned flags = (multicast ? 0x2000u : 0x4000u) | 0x0800u;
+    const unsigned flags = o.null ? 0 : (multicast ? 0x2000u : 0x4000u) | 0x0800u;
     if (o.large) {
       b.u16(size).u16(flags);
     } else {

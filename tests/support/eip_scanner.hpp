@@ -23,6 +23,7 @@ struct OpenOptions {
   std::uint8_t transport = 0x01;  // 0x11 change of state, 0x21 application, 0xA3 class 3
   Octets path;                    // whole connection path
   bool large = false;
+  bool null = false;  // no connection: both types null
 };
 
 // A connection as it was answered; not opened: status and its extended words.

@@ -38,7 +38,9 @@ class Board final : public OptionBoard, private EthernetChannel {
  private:
   cip::Device& cip_device() override { return unit_; }
   bool take_restart() override { return unit_.take_restart(); }
-  std::uint32_t address() const override { return unit_.online() && !unit_.duplicate_address() ? unit_.network().ip.address : 0; }
+  std::uint32_t address() const override {
+    return unit_.online() && !unit_.duplicate_address() ? unit_.network().ip.address : 0;
+  }
   void set_duplicate_address(bool duplicate) override { unit_.set_address_conflict(state_.now, duplicate); }
   bool has_link() const override { return unit_.online() && unit_.has_link(); }
   void plug(Instant now, bool plugged) override;

@@ -149,9 +149,7 @@ std::uint16_t CipUnit::speed_actual() const {
 }
 
 // 4.6: not while a line error lasts; with Pr.349 = 1 in NET operation only.
-bool CipUnit::fault_reset_allowed() const {
-  return !line_error() && (network_mode() || parameter_or(349, 0) != 1);
-}
+bool CipUnit::fault_reset_allowed() const { return !line_error() && (network_mode() || parameter_or(349, 0) != 1); }
 
 void CipUnit::want(port::NetTerminals terminals, cip::RunSignals run) {
   state_.wanted = terminals;

@@ -1,5 +1,5 @@
-// What the network and the FR-A7NE are to each other: link, address, connections, and what identity and LEDs tell of it.
-// FR-A7NE manual, 1.2, 4.2, 4.5.1, 7.1.2 and 8.
+// What the network and the FR-A7NE are to each other: link, address, connections, and what identity and LEDs tell of
+// it. FR-A7NE manual, 1.2, 4.2, 4.5.1, 7.1.2 and 8.
 #include <algorithm>
 
 #include "option_boards/boards/fr_a7ne/cip_unit.hpp"

@@ -109,7 +109,7 @@ TEST_P(RefusedOpenTest, HasItsExtendedStatusAndLeavesNothing) {
 const Refused kRefused[] = {
     {"O2tSizeTooSmall", [](OpenWish& w) { w.o2t = 0x4800 | 9; }, "01 0127 000A"},
     {"O2tSizeTooLarge", [](OpenWish& w) { w.o2t = 0x4800 | 11; }, "01 0127 000A"},
-    {"T2oSizeWrong", [](OpenWish& w) { w.t2o = 0x4800 | 7; }, "01 0128 000A"},
+    {"T2oSizeWrong", [](OpenWish& w) { w.t2o = 0x4800 | 7; }, "01 0128 0006"},
     {"VariableButTooSmall", [](OpenWish& w) { w.o2t = 0x4a00 | 5; }, "01 0127 000A"},
     {"O2tMulticast", [](OpenWish& w) { w.o2t = 0x2800 | 10; }, "01 0123"},
     {"O2tNull", [](OpenWish& w) { w.o2t = 10; }, "01 0123"},

@@ -88,8 +88,9 @@ class A700OnEthernetIp : public A700Holder, public AdapterRun {
       for (const SentPacket& p : take(ethernet_ip::Channel::kTcp))
         if (p.connection == scanner.tcp && p.bytes.size() > 40) reply.assign(p.bytes.begin() + 40, p.bytes.end());
     }
-    return reply.size() < 4 ? "" : to_hex(ByteView(reply).subspan(2, 1)) + (reply.size() > 4 ? " " : "") +
-                                       to_hex(ByteView(reply).subspan(4));
+    return reply.size() < 4 ? ""
+                            : to_hex(ByteView(reply).subspan(2, 1)) + (reply.size() > 4 ? " " : "") +
+                                  to_hex(ByteView(reply).subspan(4));
   }
   std::string mode(std::string_view value) { return ask("10 03 20 2A 24 01 30 78 " + std::string(value) + " 00"); }
   double hz() const { return signal("output_frequency"); }

@@ -67,14 +67,12 @@ TEST_F(FrA7neDrive, RunStopEventsAreThoseOfTheProfile) {
     std::vector<std::pair<unsigned, const char*>> writes;  // attribute, value
     bool forward, reverse;
   };
-  for (const Row& row : {Row{"0 0", {{3, "01"}, {3, "00"}}, false, false},
-                         Row{"0>1 0", {{3, "01"}}, true, false},
-                         Row{"0 0>1", {{4, "01"}}, false, true},
-                         Row{"1 0>1", {{3, "01"}, {4, "01"}}, true, false},
-                         Row{"0>1 1", {{4, "01"}, {3, "01"}}, false, true},
-                         Row{"1>0 1", {{3, "01"}, {4, "01"}, {3, "00"}}, false, true},
-                         Row{"1 1>0", {{4, "01"}, {3, "01"}, {4, "00"}}, true, false},
-                         Row{"all off", {{3, "01"}, {4, "01"}, {3, "00"}, {4, "00"}}, false, false}}) {
+  for (const Row& row :
+       {Row{"0 0", {{3, "01"}, {3, "00"}}, false, false}, Row{"0>1 0", {{3, "01"}}, true, false},
+        Row{"0 0>1", {{4, "01"}}, false, true}, Row{"1 0>1", {{3, "01"}, {4, "01"}}, true, false},
+        Row{"0>1 1", {{4, "01"}, {3, "01"}}, false, true}, Row{"1>0 1", {{3, "01"}, {4, "01"}, {3, "00"}}, false, true},
+        Row{"1 1>0", {{4, "01"}, {3, "01"}, {4, "00"}}, true, false},
+        Row{"all off", {{3, "01"}, {4, "01"}, {3, "00"}, {4, "00"}}, false, false}}) {
     EXPECT_EQ(set(0x2A, 1, 114, "00 00"), "00");
     for (const auto& [attribute, value] : row.writes) EXPECT_EQ(set(0x29, 1, attribute, value), "00") << row.name;
     EXPECT_EQ(last(Kind::kCommand).terminals.has(NetTerminal::kStf), row.forward) << row.name;
