@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "option_boards/boards/fr_a7ne/board.hpp"
 #include "option_boards/boards/oi_fr_e5nco/board.hpp"
 
 namespace vinv::boards {
@@ -11,18 +12,28 @@ namespace {
 struct BoardType {
   std::string_view name;
   std::vector<std::string_view> families;
-  unsigned first_node, last_node;
-  std::unique_ptr<OptionBoard> (*make)(unsigned node, port::DrivePort& drive);
+  BoardTraits traits;
+  std::unique_ptr<OptionBoard> (*make)(const BoardConfig& config, port::DrivePort& drive);
 };
 
-std::unique_ptr<OptionBoard> make_oi_fr_e5nco(unsigned node, port::DrivePort& drive) {
-  const oi_fr_e5nco::AddressSwitches switches{static_cast<std::uint8_t>(node / 10),
-                                              static_cast<std::uint8_t>(node % 10)};
+std::unique_ptr<OptionBoard> make_oi_fr_e5nco(const BoardConfig& config, port::DrivePort& drive) {
+  const oi_fr_e5nco::AddressSwitches switches{static_cast<std::uint8_t>(config.node / 10),
+                                              static_cast<std::uint8_t>(config.node % 10)};
   return std::make_unique<oi_fr_e5nco::Board>(drive, switches);
 }
 
+std::unique_ptr<OptionBoard> make_fr_a7ne(const BoardConfig& config, port::DrivePort& drive) {
+  fr_a7ne::CipUnitConfig unit;
+  unit.serial_number = config.serial_number;
+  unit.ethernet = config.ethernet;
+  unit.timing = config.fast ? fr_a7ne::Timing::fast() : fr_a7ne::Timing::real();
+  return std::make_unique<fr_a7ne::Board>(drive, unit);
+}
+
 const std::vector<BoardType>& types() {
-  static const std::vector<BoardType> kTypes{{oi_fr_e5nco::kType, {"fr-e500"}, 1, 99, make_oi_fr_e5nco}};
+  static const std::vector<BoardType> kTypes{
+      {oi_fr_e5nco::kType, {"fr-e500"}, {.first_node = 1, .last_node = 99, .fieldbus = true}, make_oi_fr_e5nco},
+      {fr_a7ne::kType, {"fr-a700"}, {.ethernet = true, .connectors = 3}, make_fr_a7ne}};
   return kTypes;
 }
 
@@ -40,12 +51,12 @@ Result<std::unique_ptr<OptionBoard>, std::string> make_board(const BoardConfig& 
     for (const std::string_view name : board_types()) allowed += (allowed.empty() ? "" : ", ") + std::string(name);
     return Unexpected("unknown board type \"" + config.type + "\"; allowed: " + allowed);
   }
-  if (config.node < type->first_node || config.node > type->last_node) {
+  const unsigned first = type->traits.first_node, last = type->traits.last_node;
+  if (last != 0 && (config.node < first || config.node > last)) {
     return Unexpected("node " + std::to_string(config.node) + " of board " + config.type +
-                      " is out of range; allowed: " + std::to_string(type->first_node) + " to " +
-                      std::to_string(type->last_node));
+                      " is out of range; allowed: " + std::to_string(first) + " to " + std::to_string(last));
   }
-  return type->make(config.node, drive);
+  return type->make(config, drive);
 }
 
 std::vector<std::string_view> board_types() {
@@ -57,6 +68,11 @@ std::vector<std::string_view> board_types() {
 std::vector<std::string_view> board_families(std::string_view type) {
   const BoardType* found = find_type(type);
   return found == nullptr ? std::vector<std::string_view>{} : found->families;
+}
+
+BoardTraits board_traits(std::string_view type) {
+  const BoardType* found = find_type(type);
+  return found == nullptr ? BoardTraits{} : found->traits;
 }
 
 }  // namespace vinv::boards

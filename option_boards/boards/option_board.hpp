@@ -5,11 +5,14 @@
 // call the rig drains the channels, then reads next_deadline.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "option_boards/cip/device.hpp"
 #include "option_boards/modbus/unit.hpp"
 #include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
@@ -58,6 +61,33 @@ class CanChannel {
   virtual void set_bus_off(Instant /*now*/, bool /*bus_off*/) {}
 };
 
+// A station on an Ethernet that speaks EtherNet/IP. The engine and its sockets are the rig's.
+class EthernetChannel {
+ public:
+  virtual ~EthernetChannel() = default;
+  virtual cip::Device& cip_device() = 0;
+  // True once after the option has started anew, with its supply or with the inverter: connections and sessions are
+  // gone.
+  virtual bool take_restart() = 0;
+  // What it has as its own IPv4 address; 0 while it takes no part in the network (no supply, start-up, none set). The
+  // rig may have it reached at another one.
+  virtual std::uint32_t address() const = 0;
+  // Somebody else has the address; until the option starts anew.
+  virtual void set_duplicate_address(bool duplicate) = 0;
+  // The cable is plugged, and its two ends agree on speed and duplex.
+  virtual bool has_link() const = 0;
+  virtual void plug(Instant now, bool plugged) = 0;
+  virtual bool plugged() const = 0;
+  // For its lamps: something has gone in or out, and so many connections are open now.
+  virtual void handle_activity(Instant now, std::size_t connections) = 0;
+};
+
+// "NS", "green flashing".
+struct Led {
+  std::string_view name;
+  std::string_view state;
+};
+
 class OptionBoard {
  public:
   virtual ~OptionBoard() = default;
@@ -74,8 +104,12 @@ class OptionBoard {
   virtual modbus::Unit* modbus_unit() { return nullptr; }
   virtual SerialChannel* serial_channel() { return nullptr; }
   virtual CanChannel* can_channel() { return nullptr; }
-  // The board's status LED as a person sees it: "off", "green", "green flashing", ... Empty: it has none.
+  virtual EthernetChannel* ethernet_channel() { return nullptr; }
+  // The board's status LED as a person sees it: "off", "green", "green flashing", ... Empty: it has none. Of several,
+  // the one that tells about the network.
   virtual std::string_view status_led() const { return {}; }
+  // All of them, on a board that has several.
+  virtual std::vector<Led> leds() const { return {}; }
 
   // All that the board knows, as a part of a plant's snapshot (docs/decisions/0005-snapshots.md). Loading calls nobody:
   // whoever listens at the channels finds them as they were.

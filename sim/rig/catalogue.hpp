@@ -24,6 +24,7 @@ struct Catalogue {
       make_board;
   std::function<std::vector<std::string_view>()> board_types;
   std::function<std::vector<std::string_view>(std::string_view type)> board_families;
+  std::function<boards::BoardTraits(std::string_view type)> board_traits;
 };
 
 // Inverters of motor_model/inverter, boards of option_boards/boards.

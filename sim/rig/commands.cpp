@@ -665,6 +665,11 @@ Json endpoints_json(const DriveUnit& drive) {
     out.push_back(
         {{"protocol", "modbus-tcp"}, {"host", drive.tcp->host}, {"port", drive.tcp->port}, {"unit", drive.unit()}});
   if (drive.serial) out.push_back({{"protocol", "modbus-rtu"}, {"path", drive.serial->path}, {"unit", drive.unit()}});
+  if (drive.ethernet_ip)
+    out.push_back({{"protocol", "ethernet-ip"},
+                   {"host", drive.ethernet_ip->host},
+                   {"tcp", drive.ethernet_ip->tcp},
+                   {"udp_io", drive.ethernet_ip->udp_io}});
   if (drive.can) {
     Json can{{"protocol", "canopen"}, {"node", drive.can_node()}, {"bitrate", drive.can->bitrate}};
     const auto put = [&](const char* key, const std::string& value) {

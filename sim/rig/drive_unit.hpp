@@ -9,6 +9,7 @@
 #include "motor_model/inverter/inverter.hpp"
 #include "option_boards/boards/option_board.hpp"
 #include "sim/kernel/scheduler.hpp"
+#include "sim/rig/ethernet_ip_port.hpp"
 #include "sim/rig/plant_file.hpp"
 
 namespace vinv::rig {
@@ -32,14 +33,27 @@ struct CanEndpoint {
   std::string channel;        // for socketcand
 };
 
+// Of an adapter, with the standard's ports.
+struct EthernetIpEndpoint {
+  std::string host;
+  std::uint16_t tcp = ethernet_ip::kEncapsulationPort;
+  std::uint16_t udp_io = ethernet_ip::kIoPort;
+};
+
 struct DriveUnit {
   DriveSpec spec;
   std::optional<TcpEndpoint> tcp;
   std::optional<SerialEndpoint> serial;
   std::optional<CanEndpoint> can;
+  std::optional<EthernetIpEndpoint> ethernet_ip;
   std::unique_ptr<inverter::Inverter> inverter;
   std::unique_ptr<boards::OptionBoard> board;  // nullptr: none fitted
   std::optional<std::size_t> controller;       // of the board on its CAN bus
+  // Of a board on Ethernet; all or none.
+  boards::EthernetChannel* station = nullptr;
+  std::unique_ptr<ethernet_ip::Adapter> adapter;
+  std::unique_ptr<EthernetIpPort> ethernet;
+  std::uint32_t claimed_address = 0;  // the board's own as the network knows it
 
   // The mains are what the plant file or `mains: {voltage}` says, less a dip and lost phases.
   plant::MainsState mains;

@@ -8,9 +8,6 @@
 namespace vinv::rig {
 namespace {
 
-// Above the adapter's own limit: which connection has to go is its decision.
-constexpr std::size_t kMaxConnections = ethernet_ip::EncapsulationLimits{}.tcp_connections + 16;
-
 // "127.0.0.1:40312", as an accepted stream is named.
 Ipv4Endpoint endpoint_of(const std::string& name) {
   const std::size_t colon = name.rfind(':');
@@ -23,10 +20,12 @@ Ipv4Endpoint endpoint_of(const std::string& name) {
 
 }  // namespace
 
-Result<EthernetIpPort*, std::string> LiveEthernetIp::add(ethernet_ip::Adapter& adapter, const EthernetIpAddress& where,
-                                                         std::string* notice) {
+Result<void, std::string> LiveEthernetIp::add(EthernetIpPort& port, const EthernetIpAddress& where,
+                                              std::string* notice) {
+  const std::uint32_t bound = where.any_address ? 0 : where.address;
   transports::UdpSocketOptions options;
-  options.address = where.address;
+  options.address = bound;
+  options.any_address = where.any_address;
   options.port = where.port;
   auto udp = transports::UdpSocket::open(loop_, options);
   if (!udp) return Unexpected(udp.error());
@@ -34,22 +33,25 @@ Result<EthernetIpPort*, std::string> LiveEthernetIp::add(ethernet_ip::Adapter& a
   options.multicast_ttl = where.multicast_ttl;
   auto io = transports::UdpSocket::open(loop_, options);
   if (!io) return Unexpected(io.error());
-  const std::uint16_t io_port = (*io)->local().port;
-  Host host;
-  host.port = std::make_unique<EthernetIpPort>(loop_.scheduler(), adapter, std::move(*udp), std::move(*io));
-  EthernetIpPort& port = *host.port;
-  auto listener = transports::TcpListener::open(loop_, {ipv4_text(where.address), where.port, kMaxConnections},
-                                                [&port](Instant now, std::unique_ptr<transports::ByteStream> stream) {
-                                                  const Ipv4Endpoint peer = endpoint_of(stream->name());
-                                                  port.accept(now, std::move(stream), peer);
-                                                });
+  auto listener = transports::TcpListener::open(
+      loop_, {ipv4_text(bound), where.port, EthernetIpPort::kMaxConnections},
+      [this, &port, where](Instant now, std::unique_ptr<transports::ByteStream> stream) {
+        const Ipv4Endpoint peer = endpoint_of(stream->name());
+        if (recorder_ != nullptr)
+          stream = recorder_->wrap(now, std::move(stream), ipv4_text(where.address), where.port);
+        port.accept(now, std::move(stream), peer);
+      });
   if (!listener) return Unexpected(listener.error());
-  host.listener = std::move(*listener);
-  adapter.start({where.address, where.netmask, io_port});
-  const std::string deaf = listen_to_broadcasts(port, where);
+  listeners_.push_back(std::move(*listener));
+  std::unique_ptr<transports::UdpPort> list_port = std::move(*udp), io_port = std::move(*io);
+  if (recorder_ != nullptr) {
+    list_port = recorder_->wrap(std::move(list_port));
+    io_port = recorder_->wrap(std::move(io_port));
+  }
+  port.connect(std::move(list_port), std::move(io_port), EthernetIpPort::Carrier::kOutside);
+  const std::string deaf = where.any_address ? std::string() : listen_to_broadcasts(port, where);
   if (notice != nullptr) *notice = deaf;
-  hosts_.push_back(std::move(host));
-  return &port;
+  return {};
 }
 
 std::string LiveEthernetIp::listen_to_broadcasts(EthernetIpPort& port, const EthernetIpAddress& where) {

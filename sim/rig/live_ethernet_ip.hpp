@@ -10,33 +10,30 @@
 
 #include "sim/rig/ethernet_ip_port.hpp"
 #include "sim/transports/broadcast_listener.hpp"
+#include "sim/transports/ip_recorder.hpp"
 #include "sim/transports/tcp_listener.hpp"
 
 namespace vinv::rig {
 
 struct EthernetIpAddress {
   std::uint32_t address = 0x7f000002;
-  std::uint32_t netmask = 0;  // 0: by the address's class
   std::uint16_t port = ethernet_ip::kEncapsulationPort;
   std::uint16_t io_port = ethernet_ip::kIoPort;
   int multicast_ttl = 1;
+  bool any_address = false;  // sockets on 0.0.0.0, which leave no room for others on these ports
 };
 
 class LiveEthernetIp {
  public:
-  // The loop outlives it.
-  explicit LiveEthernetIp(transports::EventLoop& loop) : loop_(loop) {}
+  // The loop outlives it, and so does the recorder of all traffic if there is one.
+  explicit LiveEthernetIp(transports::EventLoop& loop, transports::IpRecorder* recorder = nullptr)
+      : loop_(loop), recorder_(recorder) {}
 
-  // Opens the sockets and starts the adapter, which outlives this object. A broadcast listener that cannot be opened is
-  // no refusal: the adapter is found by its address; notice has a sentence then. Refusal: a sentence.
-  Result<EthernetIpPort*, std::string> add(ethernet_ip::Adapter& adapter, const EthernetIpAddress& where,
-                                           std::string* notice = nullptr);
+  // Opens the sockets of the port, which outlives this object. A broadcast listener that cannot be opened is no
+  // refusal: the adapter is found by its address; notice has a sentence then. Refusal: a sentence.
+  Result<void, std::string> add(EthernetIpPort& port, const EthernetIpAddress& where, std::string* notice = nullptr);
 
  private:
-  struct Host {
-    std::unique_ptr<EthernetIpPort> port;
-    std::unique_ptr<transports::TcpListener> listener;
-  };
   struct Segment {
     std::vector<EthernetIpPort*> ports;
     std::unique_ptr<transports::BroadcastListener> listener;
@@ -45,7 +42,8 @@ class LiveEthernetIp {
   std::string listen_to_broadcasts(EthernetIpPort& port, const EthernetIpAddress& where);
 
   transports::EventLoop& loop_;
-  std::vector<Host> hosts_;
+  transports::IpRecorder* recorder_;
+  std::vector<std::unique_ptr<transports::TcpListener>> listeners_;
   std::map<std::pair<unsigned, std::uint16_t>, Segment> segments_;  // by interface and port
 };
 

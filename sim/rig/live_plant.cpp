@@ -107,6 +107,7 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
         control_->accept(now, std::move(stream));
       }));
   open_tcp(options);
+  open_ethernet_ip();
   open_serial(runtime);
   can_ = std::make_unique<LiveCan>(loop_, *plant_, runtime, start_unix_ns());
   for (const std::string& what : options.record_can) can_->record(what);
@@ -147,6 +148,26 @@ void LivePlant::open_tcp(const LiveOptions& options) {
     *bound = {tcp_.back()->host(), tcp_.back()->port()};
     for (const auto& d : plant_->drives())
       if (d->spec.board && d->spec.board->tcp == i) d->tcp = *bound;
+  }
+}
+
+void LivePlant::open_ethernet_ip() {
+  ethernet_ip_ = std::make_unique<LiveEthernetIp>(loop_, recorder_.get());
+  for (const auto& d : plant_->drives()) {
+    if (!d->ethernet) continue;
+    const EthernetSpec& spec = *d->spec.board->ethernet;
+    EthernetIpAddress where;
+    where.address = spec.address;
+    where.any_address = spec.any_address;
+    std::string notice;
+    if (const auto added = ethernet_ip_->add(*d->ethernet, where, &notice); !added)
+      throw PlantFileError(plant_->file().path,
+                           {{spec.at, d->spec.name + ": EtherNet/IP at " + ipv4_text(spec.address) +
+                                          " cannot be opened: " + sentence(added.error()) +
+                                          " Each adapter needs TCP and UDP port 44818 and UDP port 2222 of its own "
+                                          "address; give the drive another one with address in board."}});
+    if (!notice.empty()) notice_(d->spec.name + ": " + sentence(notice));
+    d->ethernet_ip = EthernetIpEndpoint{ipv4_text(spec.address)};
   }
 }
 
@@ -255,6 +276,13 @@ std::string LivePlant::table() const {
           "1 -t 4 -1 {}\n",
           d->serial->path, d->unit(), line.baud, parity, line.baud, parity, d->unit(), d->serial->path);
     }
+    if (d->ethernet_ip)
+      out += fmt::format(
+          "  EtherNet/IP {0} TCP and UDP {1}, I/O on UDP {2}\n              python3 -c \"import socket; "
+          "s=socket.socket(socket.AF_INET,socket.SOCK_DGRAM); s.settimeout(2); "
+          "s.sendto(bytes([0x63]+23*[0]),('{0}',{1})); "
+          "print(s.recv(1500)[63:-1])\"\n",
+          d->ethernet_ip->host, d->ethernet_ip->tcp, d->ethernet_ip->udp_io);
     if (d->can) out += can_table(*d, plant_->file().can[*d->spec.board->can].kind == CanNetwork::Kind::kVirtual);
     if (!d->board) out += "  no option board\n";
   }

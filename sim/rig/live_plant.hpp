@@ -11,6 +11,7 @@
 #include "sim/rig/control_session.hpp"
 #include "sim/rig/eeprom_store.hpp"
 #include "sim/rig/live_can.hpp"
+#include "sim/rig/live_ethernet_ip.hpp"
 #include "sim/rig/plant.hpp"
 #include "sim/transports/event_loop.hpp"
 #include "sim/transports/ip_recorder.hpp"
@@ -23,7 +24,7 @@ struct LiveOptions {
   bool fresh = false;                   // stored EEPROMs are not loaded, and overwritten
   std::string state_folder;             // empty: default_state_folder
   std::string runtime_folder;           // empty: default_runtime_folder
-  std::string record_ip;                // a pcapng file for all TCP traffic; empty: none
+  std::string record_ip;                // a pcapng file for all TCP and UDP traffic; empty: none
   std::vector<std::string> record_can;  // as LiveCan::record has it
   std::uint64_t seed = 1;               // as PlantOptions has it
 };
@@ -55,6 +56,7 @@ class LivePlant {
  private:
   std::int64_t start_unix_ns() const;
   void open_tcp(const LiveOptions& options);
+  void open_ethernet_ip();
   void open_serial(const std::string& runtime_folder);
   void open_line(std::size_t index, const std::string& runtime_folder);
   void schedule_housekeeping();
@@ -68,6 +70,7 @@ class LivePlant {
   std::unique_ptr<ControlServer> control_;
   std::unique_ptr<transports::UnixSocketListener> control_listener_;
   std::vector<std::unique_ptr<transports::TcpListener>> tcp_;
+  std::unique_ptr<LiveEthernetIp> ethernet_ip_;
   std::unique_ptr<LiveCan> can_;
   kernel::EventId housekeeping_ = 0;
   kernel::EventId ready_check_ = 0;

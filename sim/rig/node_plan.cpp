@@ -19,7 +19,9 @@ std::string_view number_of(std::string_view parameter) {
   return parameter.starts_with("Pr.") ? parameter.substr(3) : parameter;
 }
 
-// The drive has a board.
+bool has_node(const DriveSpec& d) { return d.board && !d.board->ethernet; }
+
+// The drive has a board with a node.
 Address address_of(const DriveSpec& d) {
   const BoardSpec& board = *d.board;
   const std::string_view parameter = node_parameter(board.type.value);
@@ -36,10 +38,10 @@ Address address_of(const DriveSpec& d) {
 void assign_nodes(PlantFile& file, Problems& problems) {
   std::set<unsigned> used;
   for (const DriveSpec& d : file.drives)
-    if (d.board) used.insert({d.board->node.value, address_of(d).node});
+    if (has_node(d)) used.insert({d.board->node.value, address_of(d).node});
   unsigned next = 1;
   for (DriveSpec& d : file.drives) {
-    if (!d.board || d.board->node.value != 0) continue;
+    if (!has_node(d) || d.board->node.value != 0) continue;
     while (used.count(next) > 0) ++next;
     d.board->node.value = next;
     used.insert(next);
@@ -48,7 +50,7 @@ void assign_nodes(PlantFile& file, Problems& problems) {
   enum class Wire { kSerial, kTcp, kCan };
   std::map<std::tuple<Wire, std::size_t, unsigned>, const DriveSpec*> taken;
   for (const DriveSpec& d : file.drives) {
-    if (!d.board) continue;
+    if (!has_node(d)) continue;
     const Address address = address_of(d);
     const std::array<std::tuple<Wire, std::optional<std::size_t>, const char*>, 3> wires{{
         {Wire::kSerial, d.board->serial, "serial line"},

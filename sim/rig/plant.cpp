@@ -6,11 +6,18 @@
 #include "sim/rig/words.hpp"
 
 namespace vinv::rig {
+namespace {
+
+// Of a switched network in one room.
+constexpr Duration kEthernetDelay = std::chrono::microseconds(100);
+
+}  // namespace
 
 Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
     : file_(std::move(file)),
       scheduler_(scheduler),
       clock_(std::move(options.clock)),
+      datagrams_(scheduler, kEthernetDelay),
       streams_(scheduler),
       lines_(file_.serial.size()),
       drives_on_line_(file_.serial.size()),
@@ -25,7 +32,7 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
   }
   for (const DriveSpec& spec : file_.drives) {
     drives_.push_back(build(spec, options));
-    if (drives_.back()->board) wire(*drives_.back());
+    if (drives_.back()->board) wire(*drives_.back(), options.seed + drives_.size() - 1);
   }
 }
 
@@ -33,10 +40,12 @@ void Plant::reseed(std::uint64_t seed) {
   for (std::size_t i = 0; i < serial_taps_.size(); ++i) serial_taps_[i].reseed(seed + i);
   for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].reseed(seed + i);
   for (std::size_t i = 0; i < buses_.size(); ++i) buses_[i]->reseed(seed + i);
+  for (std::size_t i = 0; i < drives_.size(); ++i)
+    if (drives_[i]->ethernet) drives_[i]->ethernet->tcp_tap().reseed(seed + i);
 }
 
 // The board is fitted.
-void Plant::wire(DriveUnit& d) {
+void Plant::wire(DriveUnit& d, std::uint64_t seed) {
   const BoardSpec& spec = *d.spec.board;
   boards::SerialChannel* serial = d.board->serial_channel();
   modbus::Unit* unit = d.board->modbus_unit();
@@ -50,6 +59,18 @@ void Plant::wire(DriveUnit& d) {
     refuse(spec.can_at, d.spec.name, "board " + spec.type.value + " has no CAN; leave network out, or write none");
   if (spec.can && can != nullptr)
     d.controller = buses_[*spec.can]->add(now(), *can, d.spec.name, [this, &d](Instant at) { settle(at, d); });
+  boards::EthernetChannel* ethernet = d.board->ethernet_channel();
+  if (!spec.ethernet || ethernet == nullptr) return;
+  ethernet_ip::AdapterOptions options;
+  options.seed = seed;
+  d.station = ethernet;
+  d.adapter = std::make_unique<ethernet_ip::Adapter>(ethernet->cip_device(), options);
+  d.ethernet = std::make_unique<EthernetIpPort>(scheduler_, *d.adapter, [this, &d](Instant at) { settle(at, d); });
+  d.ethernet->tcp_tap().reseed(seed);
+  auto udp = datagrams_.open({spec.ethernet->address, ethernet_ip::kEncapsulationPort});
+  auto io = datagrams_.open({spec.ethernet->address, ethernet_ip::kIoPort});
+  if (!udp || !io) refuse(spec.ethernet->at, d.spec.name, (udp ? io : udp).error());
+  d.ethernet->connect(std::move(*udp), std::move(*io), EthernetIpPort::Carrier::kInside);
 }
 
 Plant::~Plant() {
@@ -87,6 +108,7 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   config.brake_resistance_ohm = spec.brake_resistor_ohm;
   config.source_resistance_ohm = spec.source_resistance_ohm;
   config.option_fitted = spec.board.has_value();
+  if (spec.board && spec.board->connector) config.option_connector = *spec.board->connector;
   config.solver.choice = spec.solver;
   // `node:` stands for the switches and for the factory value of the parameter that overrides them: after all clear or
   // with a damaged EEPROM masters still find the drive where they look for it.
@@ -105,6 +127,10 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   d->mains =
       config.mains.value_or(plant::MainsState{.voltage_v_rms = d->inverter->plant().config().nominal_mains_v_rms});
 
+  if (spec.board && spec.board->bad_contact)
+    if (const auto set = d->inverter->inject_fault("option", true); !set)
+      refuse(spec.board->type.at, spec.name, set.error());
+
   std::optional<std::string> stored;
   if (options.stored_eeprom) stored = options.stored_eeprom(spec.name);
   if (!stored) {
@@ -118,6 +144,11 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
     boards::BoardConfig board;
     board.type = spec.board->type.value;
     board.node = spec.board->node.value;
+    if (const auto& ethernet = spec.board->ethernet) {
+      board.serial_number = ethernet->address;
+      board.ethernet = ethernet->surroundings;
+      board.fast = ethernet->fast;
+    }
     auto fitted = options.catalogue.make_board(board, d->inverter->port());
     if (!fitted) refuse(spec.board->node.at, spec.name, fitted.error());
     d->board = std::move(fitted).value();
@@ -223,6 +254,7 @@ void Plant::settle(Instant now, DriveUnit& d) {
     line.follow_settings();
   }
   if (d.controller) buses_[*d.spec.board->can]->settle(now, *d.controller);
+  if (d.ethernet) follow_ethernet(now, d);
   const auto deadline = d.board->next_deadline();
   if (deadline == d.board_deadline) return;
   if (d.board_event != 0) scheduler_.cancel(d.board_event);
@@ -231,6 +263,58 @@ void Plant::settle(Instant now, DriveUnit& d) {
   if (!deadline) return;
   d.board_event = scheduler_.schedule(std::max(*deadline, now), kernel::Priority::kBoard,
                                       [this, drive = &d](Instant at) { board_timeout(at, *drive); });
+}
+
+void Plant::follow_ethernet(Instant now, DriveUnit& d) {
+  boards::EthernetChannel& channel = *d.station;
+  if (channel.take_restart()) claim_address(now, d, 0);
+  if (const std::uint32_t address = channel.address(); address != d.claimed_address) claim_address(now, d, address);
+  d.ethernet->set_link(now, channel.has_link());
+  d.ethernet->handle_new_data(now);
+  if (d.ethernet->take_activity())
+    channel.handle_activity(
+        now, d.adapter->connections().io_connections() + d.adapter->connections().explicit_connections());
+}
+
+// Address conflict detection: who comes later has to go without.
+void Plant::claim_address(Instant now, DriveUnit& d, std::uint32_t address) {
+  boards::EthernetChannel& channel = *d.station;
+  d.claimed_address = address;
+  const bool taken = std::any_of(drives_.begin(), drives_.end(), [&](const auto& other) {
+    return other.get() != &d && other->adapter && other->adapter->is_started() && other->claimed_address == address &&
+           other->ethernet->has_link();
+  });
+  const bool duplicate = address != 0 && channel.has_link() && taken;
+  channel.set_duplicate_address(duplicate);
+  const EthernetSpec& spec = *d.spec.board->ethernet;
+  if (address == 0 || duplicate)
+    d.ethernet->stop(now);
+  else
+    d.ethernet->start(now, {spec.address, spec.surroundings.lease.mask, ethernet_ip::kIoPort});
+}
+
+bool Plant::plug_ethernet(DriveUnit& drive, bool plugged) {
+  if (!drive.ethernet) return false;
+  drive.station->plug(now(), plugged);
+  settle(now(), drive);
+  return true;
+}
+
+DriveUnit* Plant::find_address(std::uint32_t address) {
+  const auto at = std::find_if(drives_.begin(), drives_.end(), [&](const auto& d) {
+    return d->ethernet && d->spec.board->ethernet->address == address;
+  });
+  return at == drives_.end() ? nullptr : at->get();
+}
+
+std::unique_ptr<transports::ByteStream> Plant::connect_tcp(Instant now, const Ipv4Endpoint& from,
+                                                           const Ipv4Endpoint& to,
+                                                           const transports::MemoryLinkOptions& options) {
+  DriveUnit* const drive = to.port == ethernet_ip::kEncapsulationPort ? find_address(to.address) : nullptr;
+  if (drive == nullptr) return nullptr;
+  auto [board, master] = streams_.connect(options);
+  drive->ethernet->accept(now, std::move(board), from);
+  return std::move(master);
 }
 
 void Plant::board_timeout(Instant now, DriveUnit& d) {

@@ -21,6 +21,7 @@
 #include "sim/rig/plant_file.hpp"
 #include "sim/rig/tcp_port.hpp"
 #include "sim/rig/wire_tap.hpp"
+#include "sim/transports/memory_datagrams.hpp"
 #include "sim/transports/memory_streams.hpp"
 
 namespace vinv::rig {
@@ -63,9 +64,19 @@ class Plant {
   void accept_tcp(std::size_t port, Instant now, std::unique_ptr<transports::ByteStream> stream);
   // Lines in memory that snapshots hold, for masters in virtual time.
   transports::MemoryStreams& streams() { return streams_; }
+  // The Ethernet in virtual time: adapters at the addresses of the plant file, masters at any other one. UDP ports of
+  // masters are opened here; faults and cables are those of the drive's EthernetIpPort.
+  transports::MemoryDatagrams& datagrams() { return datagrams_; }
+  // A line in memory to the TCP port of the adapter at this address; nullptr if there is none.
+  std::unique_ptr<transports::ByteStream> connect_tcp(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to,
+                                                      const transports::MemoryLinkOptions& options = {});
+  // The drive whose adapter is reached at this address; nullptr if there is none.
+  DriveUnit* find_address(std::uint32_t address);
   CanLine& can_line(std::size_t bus) { return *buses_[bus]; }
   // The bus that the drive's board hangs on; nullptr if none.
   CanLine* can_line_of(const DriveUnit& drive);
+  // The cable of the drive's board on Ethernet. False: it has none.
+  bool plug_ethernet(DriveUnit& drive, bool plugged);
   // Where faults go on the serial line and the TCP port of the drive; nullptr if it has none.
   WireTap* serial_tap_of(const DriveUnit& drive);
   WireTap* tcp_tap_of(const DriveUnit& drive);
@@ -102,11 +113,13 @@ class Plant {
   [[noreturn]] void refuse(Position at, const std::string& drive, const std::string& message) const;
   void first_parameters(DriveUnit& drive);
   void inputs(DriveUnit& drive);
-  void wire(DriveUnit& drive);
+  void wire(DriveUnit& drive, std::uint64_t seed);
   void tick(Instant now);
   void settle(Instant now, DriveUnit& drive);
   void follow_power(Instant now, DriveUnit& drive);
   void board_timeout(Instant now, DriveUnit& drive);
+  void follow_ethernet(Instant now, DriveUnit& drive);
+  void claim_address(Instant now, DriveUnit& drive, std::uint32_t address);
   BoardLine::OnTraffic traffic_of(std::size_t line);
   void archive_state(Archive& a);
   void archive_drive(Archive& a, DriveUnit& drive);
@@ -115,6 +128,7 @@ class Plant {
   PlantFile file_;
   kernel::Scheduler& scheduler_;
   std::function<Instant()> clock_;
+  transports::MemoryDatagrams datagrams_;
   std::vector<std::unique_ptr<DriveUnit>> drives_;
   transports::MemoryStreams streams_;
   std::vector<BoardLine> lines_;

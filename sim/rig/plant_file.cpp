@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "sim/base/archive.hpp"
+#include "sim/rig/ethernet_reader.hpp"
 #include "sim/rig/motor_source.hpp"
 #include "sim/rig/network_reader.hpp"
 #include "sim/rig/node_plan.hpp"
@@ -129,6 +130,7 @@ class Loader {
     for (const auto& node : *drives) drive(node);
     networks_.check();
     assign_nodes(file_, problems_);
+    assign_addresses(file_, problems_);
   }
 
   void bad_word(const YAML::Node& node, const std::string& what, const std::string& word) {
@@ -413,11 +415,34 @@ class Loader {
       if (const auto v = m->text("network")) can = *v, can_node = m->find("network");
     }
     if (b.type.value.empty()) return;
-    b.serial = networks_.serial_line(rtu, rtu_node, d);
-    b.tcp = networks_.tcp_port(tcp, tcp_node, d);
-    b.can = networks_.can_bus(can, can_node, d);
-    if (can_node != nullptr) b.can_at = position_of(*can_node);
+    const boards::BoardTraits traits = catalogue_.board_traits(b.type.value);
+    if (m) wrong_keys(*m, b.type.value, traits);
+    if (m && m->has("connector"))
+      if (const auto v = m->integer("connector", 1, traits.connectors)) b.connector = static_cast<int>(*v);
+    if (m)
+      if (const auto v = m->word("contact", {"good", "bad"})) b.bad_contact = *v == "bad";
+    if (traits.ethernet) b.ethernet = read_ethernet(m ? &*m : nullptr, d, problems_);
+    if (traits.fieldbus) {
+      b.serial = networks_.serial_line(rtu, rtu_node, d);
+      b.tcp = networks_.tcp_port(tcp, tcp_node, d);
+      b.can = networks_.can_bus(can, can_node, d);
+      if (can_node != nullptr) b.can_at = position_of(*can_node);
+    }
     d.board = b;
+  }
+
+  // Keys of other boards.
+  void wrong_keys(const YamlMap& map, const std::string& type, const boards::BoardTraits& traits) {
+    const auto refuse = [&](const Keys& keys, const char* what) {
+      for (const std::string_view key : keys)
+        if (map.has(key))
+          problems_.add(map.key_position(key), std::string(key) + " in " + map.where() + " belongs to a board " + what +
+                                                   "; " + type + " is none.");
+    };
+    if (!traits.ethernet) refuse(ethernet_keys(), "on Ethernet");
+    if (!traits.fieldbus) refuse({"modbus_rtu", "modbus_tcp", "network"}, "on Modbus or CAN");
+    if (traits.last_node == 0) refuse({"node"}, "with address switches");
+    if (traits.connectors == 0) refuse({"connector"}, "of an inverter with several option connectors");
   }
 
   // --- inputs and parameters ---
@@ -485,7 +510,10 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
       {"drives[].load.friction", {"viscous_Nm_s", "coulomb_Nm"}},
       {"drives[].mains", {"voltage_V", "source_resistance_ohm", "frequency_Hz", "phase_deg"}},
       {"drives[].losses", {"iron_W_at_rated", "inverter_fraction", "standby_W"}},
-      {"drives[].board", {"type", "node", "modbus_rtu", "modbus_tcp", "network"}},
+      {"drives[].board",
+       {"type", "node", "modbus_rtu", "modbus_tcp", "network", "address", "bind", "lease", "link_partner", "timing",
+        "connector", "contact"}},
+      {"drives[].board.lease", {"address", "mask", "gateway", "name_server", "name_server_2", "domain"}},
   };
   return all;
 }

@@ -40,6 +40,15 @@ class PlantFileError : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
+// Of a board on Ethernet.
+struct EthernetSpec {
+  std::uint32_t address = 0;  // where masters reach it; 0: the lowest free one of 127.0.0.2 and up
+  bool any_address = false;   // live: its sockets are bound to 0.0.0.0
+  boards::EthernetSurroundings surroundings;
+  bool fast = false;
+  Position at;
+};
+
 struct BoardSpec {
   Located<std::string> type;
   Located<unsigned> node;
@@ -47,6 +56,9 @@ struct BoardSpec {
   std::optional<std::size_t> tcp;     // index into PlantFile::tcp
   std::optional<std::size_t> can;     // index into PlantFile::can
   Position can_at;                    // where `network` stands; line 0: it is the default
+  std::optional<EthernetSpec> ethernet;
+  std::optional<int> connector;  // it is not in its own one
+  bool bad_contact = false;
 };
 
 struct FrictionSpec {

@@ -34,6 +34,10 @@ std::string Plant::snapshot_objection() const {
     if (bus->bridge() != nullptr)
       return "a snapshot does not hold what is outside the plant: CAN bus " + bus->bus().options().name +
              " is joined to another one.";
+  for (const auto& d : drives_)
+    if (d->ethernet && d->ethernet->is_outside())
+      return "a snapshot does not hold what is outside the plant: the EtherNet/IP adapter of " + d->spec.name +
+             " has sockets.";
   const bool on_grid =
       std::all_of(drives_.begin(), drives_.end(), [](const auto& d) { return d->inverter->on_snapshot_grid(); });
   if (on_grid) return {};
@@ -71,11 +75,13 @@ std::string Plant::signature() const {
 
 void Plant::archive_drive(Archive& a, DriveUnit& drive) {
   // The first ones are what the drive was made as.
-  VINV_MEMBERS(drive, spec, tcp, serial, can, inverter, board, controller, mains, dip_fraction, load_ramp_nm, dip_ends,
-               power_returns, reset_released, load_ramp_ends, board_powered, board_deadline, board_event);
+  VINV_MEMBERS(drive, spec, tcp, serial, can, ethernet_ip, inverter, board, controller, station, adapter, ethernet,
+               claimed_address, mains, dip_fraction, load_ramp_nm, dip_ends, power_returns, reset_released,
+               load_ramp_ends, board_powered, board_deadline, board_event);
   a.io(*inverter);
   if (board) a.io(*board);
-  VINV_FIELDS(a, DriveUnit, mains, dip_fraction, load_ramp_nm, board_powered, board_deadline);
+  if (ethernet) ethernet->archive(a, streams_);
+  VINV_FIELDS(a, DriveUnit, claimed_address, mains, dip_fraction, load_ramp_nm, board_powered, board_deadline);
   DriveUnit* const d = &drive;
   scheduler_.archive_event(a, dip_ends, [d](Instant) { d->end_dip(); });
   scheduler_.archive_event(a, power_returns, [this, d](Instant) { return_power(*d); });
@@ -86,13 +92,17 @@ void Plant::archive_drive(Archive& a, DriveUnit& drive) {
 
 void Plant::archive_state(Archive& a) {
   // Who is on which line is what the file says.
-  VINV_MEMBERS(*this, file, scheduler, clock, drives, streams, lines, drives_on_line, ports, buses, serial_taps,
-               tcp_taps, tick_event, ticks);
+  VINV_MEMBERS(*this, file, scheduler, clock, datagrams, drives, streams, lines, drives_on_line, ports, buses,
+               serial_taps, tcp_taps, tick_event, ticks);
   a.must_match("plant", signature());
   a.io(scheduler);
   a.io(streams);
-  if (a.loads())
+  a.io(datagrams);
+  if (a.loads()) {
     for (const auto& port : ports) port->drop();
+    for (const auto& d : drives)
+      if (d->ethernet) d->ethernet->drop();
+  }
   for (const auto& d : drives) archive_drive(a, *d);
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].archive(a, streams, serial_taps[i], traffic_of(i));
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i]->archive(a, streams, tcp_taps[i]);

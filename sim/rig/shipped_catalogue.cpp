@@ -10,6 +10,7 @@ Catalogue shipped_catalogue() {
   c.make_board = boards::make_board;
   c.board_types = boards::board_types;
   c.board_families = boards::board_families;
+  c.board_traits = boards::board_traits;
   return c;
 }
 

@@ -64,7 +64,7 @@ void CipUnit::start() {
   state_.supply = Supply::kOn;
   state_.started = true;
   state_.was_ready = true;
-  state_.network = settings_at_start(state_.startup, state_.flash, config_.lease);
+  state_.network = settings_at_start(state_.startup, state_.flash, config_.ethernet.lease);
   state_.assemblies = assemblies_of(state_.startup.pr346);
   state_.control_from_net_at_start = control_from_net();
 }
@@ -114,7 +114,7 @@ void CipUnit::set_link(Instant, bool up) {
   report_line_error();
 }
 
-void CipUnit::report_line_error() { drive_.set_communication_lost(state_.owner_timed_out || state_.link_down); }
+void CipUnit::report_line_error() { drive_.set_communication_lost(has_line_error()); }
 
 std::uint32_t CipUnit::parameter_or(std::uint16_t number, std::uint32_t fallback) const {
   const auto value = drive_.read_parameter({number, 0});
@@ -145,9 +145,7 @@ std::uint16_t CipUnit::speed_actual() const {
 }
 
 // 4.6: not while a line error lasts; with Pr.349 = 1 in NET operation only.
-bool CipUnit::fault_reset_allowed() const {
-  return !state_.owner_timed_out && !state_.link_down && (network_mode() || parameter_or(349, 0) != 1);
-}
+bool CipUnit::fault_reset_allowed() const { return !has_line_error() && (network_mode() || parameter_or(349, 0) != 1); }
 
 cip::SetResult CipUnit::post(Instant now, ExplicitJob job, cip::Ticket ticket) {
   if (state_.link.explicit_busy(now)) return Unexpected(cip::Status(cip::GeneralStatus::kObjectStateConflict));

@@ -25,9 +25,7 @@ namespace vinv::boards::fr_a7ne {
 
 struct CipUnitConfig {
   std::uint32_t serial_number = 1;
-  std::array<std::uint8_t, 6> mac{};
-  IpConfiguration lease;     // what a DHCP server would give
-  LineSetting line_partner;  // the other end of the cable
+  EthernetSurroundings ethernet;
   Timing timing = Timing::real();
 };
 
@@ -58,9 +56,13 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   // Supplied and started; the network sees nothing of it before.
   bool online() const { return state_.supply == Supply::kOn; }
   const NetworkSettings& network() const { return state_.network; }
-  LineState line() const { return line_state(state_.network.line, config_.line_partner); }
+  LineState line() const { return line_state(state_.network.line, config_.ethernet.line_partner); }
   // Line errors other than a time-out of the owner: no link (4.5.1).
   void set_link(Instant now, bool up);
+  // The owner's connection has timed out and no other has been opened.
+  bool owner_timed_out() const { return state_.owner_timed_out; }
+  // Told to the inverter at present.
+  bool has_line_error() const { return state_.owner_timed_out || state_.link_down; }
 
   // cip::Device
   cip::MessageRouter& router() override { return router_; }

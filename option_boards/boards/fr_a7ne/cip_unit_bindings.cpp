@@ -361,7 +361,7 @@ struct CipUnit::Bindings {
            kManualSettingNeedsReset;
   }
   static GeneralStatus append_physical_address(const Unit& unit, const Attribute&, Bytes& out) {
-    out.insert(out.end(), unit.config_.mac.begin(), unit.config_.mac.end());
+    out.insert(out.end(), unit.config_.ethernet.mac.begin(), unit.config_.ethernet.mac.end());
     return GeneralStatus::kSuccess;
   }
   static const LineSetting& line_setting(const Unit& unit) {

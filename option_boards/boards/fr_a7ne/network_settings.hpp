@@ -10,32 +10,13 @@
 #include <optional>
 #include <string>
 
+#include "option_boards/boards/ethernet_settings.hpp"
 #include "option_boards/cip/status.hpp"
 #include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/result.hpp"
 
 namespace vinv::boards::fr_a7ne {
-
-// Addresses as numbers: 192.168.0.1 is 0xC0A80001; 0: not set.
-struct IpConfiguration {
-  std::uint32_t address = 0;
-  std::uint32_t mask = 0;
-  std::uint32_t gateway = 0;
-  std::uint32_t name_server = 0;
-  std::uint32_t name_server_2 = 0;
-  std::string domain;
-  friend bool operator==(const IpConfiguration&, const IpConfiguration&) = default;
-  VINV_ARCHIVE(IpConfiguration, address, mask, gateway, name_server, name_server_2, domain);
-};
-
-struct LineSetting {
-  bool automatic = true;
-  bool full_duplex = false;       // of a fixed setting
-  std::uint16_t mbit_per_s = 10;  // of a fixed setting: 10 or 100
-  friend constexpr bool operator==(const LineSetting&, const LineSetting&) = default;
-  VINV_ARCHIVE(LineSetting, automatic, full_duplex, mbit_per_s);
-};
 
 // What the two ends of a cable come to (4.2.5): a fixed full duplex end does not go with an automatic one.
 struct LineState {

@@ -17,16 +17,17 @@ TEST(MakeBoard, MakesEveryTypeItNames) {
   }
 }
 
-TEST(MakeBoard, OiFrE5ncoFitsTheFrE500) {
+TEST(MakeBoard, BoardsFitTheirFamily) {
   EXPECT_EQ(board_families("oi-fr-e5nco"), std::vector<std::string_view>{"fr-e500"});
-  EXPECT_TRUE(board_families("fr-a7ne").empty());
+  EXPECT_EQ(board_families("fr-a7ne"), std::vector<std::string_view>{"fr-a700"});
+  EXPECT_TRUE(board_families("fr-a7nd").empty());
 }
 
 TEST(MakeBoard, RefusesAnUnknownTypeNamingWhatIsAllowed) {
   test::FakeDrive drive;
   const auto board = make_board({"oi-fr-e5nc", 5}, drive);
   ASSERT_FALSE(board);
-  EXPECT_EQ(board.error(), "unknown board type \"oi-fr-e5nc\"; allowed: oi-fr-e5nco");
+  EXPECT_EQ(board.error(), "unknown board type \"oi-fr-e5nc\"; allowed: oi-fr-e5nco, fr-a7ne");
 }
 
 TEST(MakeBoard, RefusesANodeOutsideOneToNinetyNine) {

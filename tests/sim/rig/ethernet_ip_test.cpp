@@ -59,7 +59,7 @@ class LiveAdapters : public ::testing::Test {
     }
     test::FakeDevice device;
     ethernet_ip::Adapter adapter;
-    EthernetIpPort* port = nullptr;
+    std::unique_ptr<EthernetIpPort> port;
   };
   void TearDown() override {
     thread.call([this] {
@@ -76,10 +76,12 @@ class LiveAdapters : public ::testing::Test {
         EthernetIpAddress where;
         where.address = address(last);
         std::string notice;
-        const auto port = host->add(units.back()->adapter, where, &notice);
-        ASSERT_TRUE(port) << port.error();
+        Unit& unit = *units.back();
+        unit.port = std::make_unique<EthernetIpPort>(thread.loop().scheduler(), unit.adapter);
+        const auto added = host->add(*unit.port, where, &notice);
+        ASSERT_TRUE(added) << added.error();
         EXPECT_EQ(notice, "");
-        units.back()->port = *port;
+        unit.port->start(thread.loop().now(), {where.address, 0, where.io_port});
       }
     });
   }
@@ -259,9 +261,10 @@ class MemoryAdapter : public ::testing::Test {
 };
 
 TEST_F(MemoryAdapter, ConnectionWorksAndALostLinkTimesItOut) {
-  adapter.start({kTarget, 0xffffff00, 2222});
-  EthernetIpPort port(scheduler, adapter, std::move(*network.open({kTarget, 44818})),
-                      std::move(*network.open({kTarget, 2222})));
+  EthernetIpPort port(scheduler, adapter);
+  port.connect(std::move(*network.open({kTarget, 44818})), std::move(*network.open({kTarget, 2222})),
+               EthernetIpPort::Carrier::kInside);
+  port.start(scheduler.now(), {kTarget, 0xffffff00, 2222});
   const auto io = std::move(*network.open({kMaster, 2222}));
   auto link = transports::make_memory_link(scheduler);
   port.accept(scheduler.now(), std::move(link.second), {kMaster, 50'000});
@@ -310,9 +313,10 @@ TEST_F(MemoryAdapter, TsharkDissectsARecordingWithoutAComplaint) {
   {
     const auto recorder = transports::IpRecorder::open(path);
     ASSERT_TRUE(recorder);
-    adapter.start({kTarget, 0xffffff00, 2222});
-    EthernetIpPort port(scheduler, adapter, (*recorder)->wrap(std::move(*network.open({kTarget, 44818}))),
-                        (*recorder)->wrap(std::move(*network.open({kTarget, 2222}))));
+    EthernetIpPort port(scheduler, adapter);
+    port.connect((*recorder)->wrap(std::move(*network.open({kTarget, 44818}))),
+                 (*recorder)->wrap(std::move(*network.open({kTarget, 2222}))), EthernetIpPort::Carrier::kInside);
+    port.start(scheduler.now(), {kTarget, 0xffffff00, 2222});
     const auto udp = std::move(*network.open({kMaster, 50'000}));
     udp->send(scheduler.now(), {kTarget, 44818}, test::encapsulated(0x63, 0, {}));
     udp->send(scheduler.now(), {kTarget, 44818}, test::encapsulated(0x04, 0, {}));

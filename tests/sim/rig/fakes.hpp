@@ -273,6 +273,9 @@ inline Catalogue fake_catalogue(Journal& journal) {
   };
   c.board_types = [] { return std::vector<std::string_view>{"oi-fr-e5nco"}; };
   c.board_families = [](std::string_view) { return std::vector<std::string_view>{"fr-e500"}; };
+  c.board_traits = [](std::string_view) {
+    return boards::BoardTraits{.first_node = 1, .last_node = 99, .fieldbus = true};
+  };
   c.make_inverter =
       [&journal](std::string_view,
                  const inverter::InverterConfig& config) -> Result<std::unique_ptr<inverter::Inverter>, std::string> {

@@ -42,9 +42,9 @@ class UnitBench : public testing::Test {
   static boards::fr_a7ne::CipUnitConfig make_config() {
     boards::fr_a7ne::CipUnitConfig made;
     made.serial_number = 0x12345678;
-    made.mac = {0x02, 0, 0, 0, 0, 9};
-    made.lease.address = 0x7F000002;
-    made.lease.mask = 0xFF000000;
+    made.ethernet.mac = {0x02, 0, 0, 0, 0, 9};
+    made.ethernet.lease.address = 0x7F000002;
+    made.ethernet.lease.mask = 0xFF000000;
     return made;
   }
   void power(bool on) {

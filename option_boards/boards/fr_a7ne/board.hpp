@@ -1,0 +1,68 @@
+// FR-A7NE: option board of the FR-A700 with EtherNet/IP. FR-A7NE manual: 1.2 LEDs, 4.2 start-up settings, 4.5 line
+// errors. What it is to CIP is CipUnit; here are its supply, its cable and its lamps.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "motor_model/port/drive_port.hpp"
+#include "option_boards/boards/fr_a7ne/cip_unit.hpp"
+#include "option_boards/boards/fr_a7ne/leds.hpp"
+#include "option_boards/boards/option_board.hpp"
+
+namespace vinv::boards::fr_a7ne {
+
+inline constexpr std::string_view kType = "fr-a7ne";
+
+class Board final : public OptionBoard, private EthernetChannel {
+ public:
+  // Unspecified: how long the lamp shows a packet.
+  static constexpr Duration kTrafficShown = std::chrono::milliseconds(50);
+
+  // The drive outlives the board. Without supply until handle_power.
+  Board(port::DrivePort& drive, const CipUnitConfig& config) : drive_(drive), unit_(drive, config) {}
+
+  std::string_view type() const override { return kType; }
+  void handle_power(Instant now, bool on) override;
+  void handle_drive_tick(Instant now) override;
+  void handle_timeout(Instant now) override { unit_.handle_timeout(now); }
+  std::optional<Instant> next_deadline() const override { return unit_.next_deadline(); }
+  Result<void, std::string> set_switch(std::string_view name, unsigned value) override;
+  EthernetChannel* ethernet_channel() override { return this; }
+  std::string_view status_led() const override { return network_led(situation()); }
+  // MS, NS and LINK/ACT.
+  std::vector<Led> leds() const override;
+
+ private:
+  cip::Device& cip_device() override { return unit_; }
+  bool take_restart() override { return unit_.take_restart(); }
+  std::uint32_t address() const override { return unit_.online() ? unit_.network().ip.address : 0; }
+  void set_duplicate_address(bool duplicate) override { state_.duplicate_address = duplicate; }
+  bool has_link() const override;
+  void plug(Instant now, bool plugged) override;
+  bool plugged() const override { return state_.plugged; }
+  void handle_activity(Instant now, std::size_t connections) override;
+  void archive_state(Archive& a) override;
+
+  void follow_link(Instant now);
+  LedSituation situation() const;
+
+  struct State {
+    bool supplied = false;
+    bool plugged = true;
+    bool link_told = true;
+    bool duplicate_address = false;
+    std::uint64_t connections = 0;
+    Instant traffic_until{};
+    Instant now{};  // of the last call
+    VINV_ARCHIVE(State, supplied, plugged, link_told, duplicate_address, connections, traffic_until, now);
+  };
+
+  port::DrivePort& drive_;
+  CipUnit unit_;
+  State state_;
+};
+
+}  // namespace vinv::boards::fr_a7ne
