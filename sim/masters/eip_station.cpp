@@ -23,6 +23,11 @@ std::uint32_t little_endian(const Bytes& bytes, std::size_t at, std::size_t size
   return value;
 }
 
+bool asks(const EipTask& task) {
+  using Kind = EipTask::Kind;
+  return task.kind == Kind::kOpen || task.kind == Kind::kClose || task.kind == Kind::kRequest;
+}
+
 }  // namespace
 
 EipStation::EipStation(kernel::Scheduler& scheduler, const EipStationSettings& settings, Dial dial,
@@ -134,11 +139,16 @@ std::optional<Instant> EipStation::work(Instant now) {
   const auto consider = [&](const std::optional<Instant>& at) {
     if (at && (!next || *at < *next)) next = at;
   };
+  const auto consider_later = [&](Instant at) {
+    if (at > now) consider(at);
+  };
   consider(runner_.next_deadline());
   if (!silent()) consider(state_.redial_at);
   const Wait wait = state_.access.wait;
-  if (wait == Wait::kPace || wait == Wait::kReopen || wait == Wait::kWritten) consider(state_.access.until);
-  if (state_.task && state_.task->kind == EipTask::Kind::kInput) consider(state_.task_until);
+  // What is over waits for something else.
+  if (wait == Wait::kPace || wait == Wait::kWritten) consider_later(state_.access.until);
+  if (wait == Wait::kPace || wait == Wait::kReopen) consider_later(state_.access.give_up_at);
+  if (state_.task) consider_later(state_.task_until);
   return next;
 }
 
@@ -146,6 +156,8 @@ void EipStation::take_results(Instant now) {
   while (auto result = scanner_.poll_result()) {
     if (state_.task_ask == result->id) {
       state_.task_ask.reset();
+      // Words wait after it; the next request does not.
+      if (state_.task->ask.service == kSetAttributeSingle) state_.write_free_at = now + settings_.write_gap;
       task_done(judge(result->answer, state_.task->expected));
       continue;
     }
@@ -182,6 +194,7 @@ void EipStation::begin_access(Instant now, bool write, Item item, std::uint8_t s
   a.item = item;
   a.size = size;
   a.raw = raw;
+  a.give_up_at = now + kPatience;
   if (eip::kind_of(item) == ItemKind::kAttribute) {
     a.wait = Wait::kPace;
     a.until = write ? std::max(now, state_.write_free_at) : now;
@@ -189,11 +202,6 @@ void EipStation::begin_access(Instant now, bool write, Item item, std::uint8_t s
   }
   if (scanner_.io_open()) return on_open();
   a.wait = Wait::kReopen;
-  a.until = now + kOpenPatience;
-  if (scanner_.io_wanted()) return;
-  a.wait = Wait::kOpen;
-  a.ask = scanner_.open_io(now, settings_.wish);
-  if (!a.ask) done(Unexpected(std::string("too many requests wait for this master")));
 }
 
 void EipStation::on_open() {
@@ -282,14 +290,18 @@ bool EipStation::advance_access(Instant now) {
     case Wait::kAnswer:
     case Wait::kOpen: return false;
     case Wait::kPace:
-      if (now < a.until) return false;
+      if (now < a.until || (!scanner_.connected() && now < a.give_up_at)) return false;
       ask(now);
       return true;
     case Wait::kReopen:
       if (scanner_.io_open()) {
         on_open();
-      } else if (now >= a.until || !scanner_.io_wanted()) {
-        done(Unexpected(std::string("the I/O connection is lost")));
+      } else if (now >= a.give_up_at) {
+        done(Unexpected(std::string(scanner_.connected() ? "the I/O connection is lost" : "no connection")));
+      } else if (scanner_.connected() && !scanner_.io_wanted()) {
+        a.wait = Wait::kOpen;
+        a.ask = scanner_.open_io(now, settings_.wish);
+        if (!a.ask) done(Unexpected(std::string("too many requests wait for this master")));
       } else {
         return false;
       }
@@ -369,17 +381,13 @@ void EipStation::begin_task(Instant now, const EipTask& task) {
   state_.task = task;
   state_.task_outcome.reset();
   state_.task_ask.reset();
-  state_.task_until = now + task.within;
+  state_.task_until = now + (asks(task) ? kPatience : task.within);
   switch (task.kind) {
     case Kind::kOpen:
-      if (scanner_.io_open()) {
-        task_done(Unexpected(std::string("the I/O connection is open; close it first")));
-        break;
-      }
-      state_.task_ask = scanner_.open_io(now, task.wish);
+      if (scanner_.io_open()) task_done(Unexpected(std::string("the I/O connection is open; close it first")));
       break;
-    case Kind::kClose: state_.task_ask = scanner_.close_io(now); break;
-    case Kind::kRequest: state_.task_ask = scanner_.submit(now, task.ask); break;
+    case Kind::kClose:
+    case Kind::kRequest: break;
     case Kind::kProducing:
       state_.producing = task.on;
       task_done(std::string());
@@ -441,9 +449,11 @@ bool EipStation::advance_task(Instant now) {
                            (task.mask.empty() ? "" : " in the bits " + hex_text(task.mask))));
     return true;
   }
-  // An ask that could not be queued.
-  if (state_.task_ask) return false;
-  task_done(Unexpected(std::string("too many requests wait for this master")));
+  if (state_.task_ask || (!scanner_.connected() && now < state_.task_until)) return false;
+  state_.task_ask = task.kind == Kind::kOpen    ? scanner_.open_io(now, task.wish)
+                    : task.kind == Kind::kClose ? scanner_.close_io(now)
+                                                : scanner_.submit(now, task.ask);
+  if (!state_.task_ask) task_done(Unexpected(std::string("too many requests wait for this master")));
   return true;
 }
 

@@ -32,7 +32,7 @@ class EipStation : public Station, private Access {
   // In WireFrame: of datagrams.
   static constexpr std::uint32_t kDatagrams = 0xffffffff;
   static constexpr Duration kRedialDelay = std::chrono::milliseconds(500);    // after a connection was lost or refused
-  static constexpr Duration kOpenPatience = std::chrono::seconds(5);          // for an I/O connection that comes back
+  static constexpr Duration kPatience = std::chrono::seconds(5);              // for connections that come back
   static constexpr Duration kParameterTime = std::chrono::milliseconds(200);  // 126/176: at least, for a write
 
   // The scheduler outlives the station, and the net, which dial connects through. io: bound to the scanner's address.
@@ -66,8 +66,9 @@ class EipStation : public Station, private Access {
     std::optional<CipAskId> ask;
     std::uint64_t version = 0;  // of the image that must be sent
     std::uint64_t inputs = 0;   // packets that must have come
-    Instant until{};            // kPace, kReopen, kWritten
-    VINV_ARCHIVE(Doing, wait, write, item, size, raw, ask, version, inputs, until);
+    Instant until{};            // kPace, kWritten
+    Instant give_up_at{};       // kPace, kReopen
+    VINV_ARCHIVE(Doing, wait, write, item, size, raw, ask, version, inputs, until, give_up_at);
   };
   struct State {
     std::optional<Instant> redial_at;

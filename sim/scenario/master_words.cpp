@@ -102,7 +102,8 @@ Result<SaidRange, std::string> read_range(std::string_view name, const std::stri
 Result<Said, std::string> read_monitors(const masters::BoardProfile& profile, const Json& value) {
   const Json names = value.is_string() ? Json{{value.get<std::string>(), nullptr}} : value;
   if (!names.is_object() || names.empty())
-    return wrong("monitor", value, "the name of a monitor, as output_frequency, or {output_frequency: 40 Hz +- 0.1 Hz}");
+    return wrong("monitor", value,
+                 "the name of a monitor, as output_frequency, or {output_frequency: 40 Hz +- 0.1 Hz}");
   Said out;
   for (const auto& [name, entry] : names.items()) {
     const masters::MonitorRow* row = profile.monitor(name);
@@ -175,7 +176,8 @@ class Keys {
   bool has(std::string_view key) const { return value_.is_object() && value_.contains(std::string(key)); }
   std::string text(std::string_view key) const { return has(key) ? text_of(value_.at(std::string(key))) : ""; }
   void refuse(std::string_view key, std::string_view allowed) {
-    if (error_.empty()) error_ = wrong(std::string(word_) + "." + std::string(key), value_.at(std::string(key)), allowed).error();
+    if (error_.empty())
+      error_ = wrong(std::string(word_) + "." + std::string(key), value_.at(std::string(key)), allowed).error();
   }
   void number(std::string_view key, std::uint32_t most, auto& into) {
     if (!has(key)) return;
@@ -289,8 +291,9 @@ Result<Said, std::string> read_request(const Json& value) {
 }
 
 Result<Said, std::string> read_open(const masters::BoardProfile& profile, const Json& value) {
-  Keys keys("open", value, {"role", "points", "sizes", "rpi", "multiplier", "multicast", "trigger", "header", "class",
-                            "key", "large", "status", "extended"});
+  Keys keys("open", value,
+            {"role", "points", "sizes", "rpi", "multiplier", "multicast", "trigger", "header", "class", "key", "large",
+             "status", "extended"});
   masters::EipTask task;
   task.kind = masters::EipTask::Kind::kOpen;
   masters::IoWish& w = task.wish;
@@ -434,15 +437,15 @@ Result<Said, std::string> read_master_word(const masters::BoardProfile& profile,
 }
 
 const std::vector<std::string_view>& common_master_words() {
-  static const std::vector<std::string_view> all{"mode",  "run",         "stop",      "quick_stop", "reference",
-                                                 "reset", "fault_reset", "parameter", "monitor",    "clear_alarms",
-                                                 "silence"};
+  static const std::vector<std::string_view> all{"mode",      "run",          "stop",        "quick_stop",
+                                                 "reference", "reset",        "fault_reset", "parameter",
+                                                 "monitor",   "clear_alarms", "silence"};
   return all;
 }
 
 const std::vector<std::string_view>& scanner_words() {
-  static const std::vector<std::string_view> all{"open", "close",  "idle",    "producing",
-                                                 "drop", "output", "input",   "request"};
+  static const std::vector<std::string_view> all{"open", "close",  "idle",  "producing",
+                                                 "drop", "output", "input", "request"};
   return all;
 }
 

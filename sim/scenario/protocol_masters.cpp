@@ -4,11 +4,11 @@
 #include <map>
 #include <utility>
 
+#include "option_boards/ethernet_ip/encapsulation.hpp"
+#include "sim/base/check.hpp"
 #include "sim/masters/canopen_station.hpp"
 #include "sim/masters/eip_station.hpp"
 #include "sim/masters/modbus_station.hpp"
-#include "option_boards/ethernet_ip/encapsulation.hpp"
-#include "sim/base/check.hpp"
 #include "sim/scenario/master_words.hpp"
 #include "sim/scenario/units.hpp"
 #include "sim/transports/memory_streams.hpp"
@@ -236,12 +236,12 @@ class ProtocolMaster : public Master, private State {
   // nullptr and an outcome: the drive has no such wire.
   masters::Station* station_of(Instant now, const rig::DriveUnit& drive) {
     const auto& board = drive.spec.board;
-    const auto wire = !board                        ? std::nullopt
-                      : kind_.wire == Wire::kSerial ? board->serial
-                      : kind_.wire == Wire::kTcp    ? board->tcp
+    const auto wire = !board                          ? std::nullopt
+                      : kind_.wire == Wire::kSerial   ? board->serial
+                      : kind_.wire == Wire::kTcp      ? board->tcp
                       : kind_.wire == Wire::kEthernet ? ethernet_of(drive)
-                      : drive.controller            ? board->can
-                                                    : std::nullopt;
+                      : drive.controller              ? board->can
+                                                      : std::nullopt;
     if (!wire) {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
@@ -313,8 +313,8 @@ class ProtocolMaster : public Master, private State {
       case Wire::kEthernet: {
         made = scanner(drive, wire);
         record.kind = WireRecord::Kind::kTcp;
-        record.network = ipv4_text(drive.spec.board->ethernet->address) + ":" +
-                         std::to_string(ethernet_ip::kEncapsulationPort);
+        record.network =
+            ipv4_text(drive.spec.board->ethernet->address) + ":" + std::to_string(ethernet_ip::kEncapsulationPort);
         break;
       }
     }

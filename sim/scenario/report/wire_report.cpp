@@ -138,10 +138,10 @@ class Capture {
   std::uint32_t ethernet(const std::string& name) {
     auto network = ethernets_.find(name);
     if (network == ethernets_.end())
-      network =
-          ethernets_
-              .emplace(name, encoder_.add_interface(head_, transports::LinkType::kEthernet, interface_name(name, "tcp")))
-              .first;
+      network = ethernets_
+                    .emplace(name, encoder_.add_interface(head_, transports::LinkType::kEthernet,
+                                                          interface_name(name, "tcp")))
+                    .first;
     return network->second;
   }
 
