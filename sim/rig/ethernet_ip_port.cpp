@@ -144,8 +144,8 @@ void EthernetIpPort::handle_new_data(Instant now) {
 
 void EthernetIpPort::settle(Instant now) {
   activity_ = true;
+  if (on_traffic_) return on_traffic_(now);
   poll(now);
-  if (on_traffic_) on_traffic_(now);
 }
 
 void EthernetIpPort::poll(Instant now) {

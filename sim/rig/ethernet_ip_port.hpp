@@ -26,7 +26,7 @@ class EthernetIpPort {
   // More are closed at once: which one has to go is the adapter's decision, up to its own limit.
   static constexpr std::size_t kMaxConnections = ethernet_ip::EncapsulationLimits{}.tcp_connections + 16;
 
-  // Something has gone in: the owner settles the device.
+  // Something has gone in: the owner settles the device, and then calls handle_new_data() or poll().
   using OnTraffic = std::function<void(Instant now)>;
 
   // Scheduler and adapter outlive the port. Without UDP ports until connect().

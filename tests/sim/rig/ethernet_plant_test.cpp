@@ -73,6 +73,10 @@ TEST(EthernetPlant, ListIdentityGoesToAllByBroadcastAndToOneByItsAddress) {
   udp->send(s.plant->now(), {kSecond, 44818}, test::encapsulated(0x63, 0, {}));
   s.scheduler.run_until(s.scheduler.now() + 10ms);
   EXPECT_EQ(answered, std::vector{kSecond});
+  answered.clear();
+  udp->send(s.plant->now(), {ipv4(127, 255, 255, 255), 44818}, test::encapsulated(0x63, 0, {}));
+  s.scheduler.run_until(s.scheduler.now() + 10ms);
+  EXPECT_EQ(answered, (std::vector{kFirst, kSecond}));
 }
 
 TEST(EthernetPlant, OwnerRunsTheMotorAndStopsItAgain) {
