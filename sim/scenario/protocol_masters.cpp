@@ -397,6 +397,12 @@ const std::vector<std::string_view>& master_words() {
 
 // A serial line has one other end, which must not be taken from somebody without a word. Empty: none.
 static std::string objection(const Kind& kind, const rig::Plant& plant) {
+  if (kind.wire == Wire::kEthernet && kind.profile != "ethernet-ip-explicit")
+    for (const auto& d : plant.drives())
+      if (d->ethernet != nullptr && d->ethernet->is_outside())
+        return "the I/O of " + d->spec.name +
+               " is open to scanners outside, as in every live run; speak via ethernet-ip-explicit, or run in virtual "
+               "time";
   if (kind.wire != Wire::kSerial) return {};
   for (const auto& d : plant.drives())
     if (d->spec.board && d->spec.board->serial && plant.serial_is_outside(*d->spec.board->serial))
