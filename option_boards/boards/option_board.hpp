@@ -111,6 +111,15 @@ class OptionBoard {
   // All of them, on a board that has several.
   virtual std::vector<Led> leds() const { return {}; }
 
+  // The board's own memory over power-off, beside the inverter's EEPROM: the text of its file; empty: it has none. The
+  // owner stores it after each change, and hands it back before the first power-on.
+  virtual std::string flash_text() const { return {}; }
+  virtual bool take_flash_changed() { return false; }  // true once after each change
+  // Refuses a damaged text with line and reason; the board then has what it came with.
+  virtual Result<void, std::string> load_flash(std::string_view /*text*/) {
+    return Unexpected(std::string("the board has no memory of its own"));
+  }
+
   // All that the board knows, as a part of a plant's snapshot (docs/decisions/0005-snapshots.md). Loading calls nobody:
   // whoever listens at the channels finds them as they were.
   friend void archive(Archive& a, OptionBoard& board) { board.archive_state(a); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/masters/fr_a7ne_profiles.hpp"
 #include "sim/masters/profile_tables.hpp"
 
 namespace vinv::masters {
@@ -17,6 +18,7 @@ std::string_view name_of(Word word) {
     case Word::kReferenceHz: return "reference in Hz";
     case Word::kReferenceRpm: return "reference in rpm";
     case Word::kReset: return "reset";
+    case Word::kFaultReset: return "fault reset";
     case Word::kClearAlarms: return "clear alarms";
     case Word::kWriteParameter: return "write parameter";
     case Word::kReadParameter: return "read parameter";
@@ -56,6 +58,11 @@ std::span<const BoardProfile> profiles() {
       oi_fr_e5nco::kCanopen,
       oi_fr_e5nco::kCanopenSdo,
       oi_fr_e5nco::kCanopen402,
+      fr_a7ne::k21,
+      fr_a7ne::k20,
+      fr_a7ne::k126,
+      fr_a7ne::k129,
+      fr_a7ne::kExplicit,
   };
   return kProfiles;
 }

@@ -12,7 +12,7 @@
 namespace vinv::masters {
 
 // Where a value lives. Modbus: the address of the register. CANopen: index << 8 | sub-index, or for kOutput and kSend
-// the number of the RPDO << 8 | offset in bytes.
+// the number of the RPDO << 8 | offset in bytes. EtherNet/IP: eip_item.hpp.
 using Item = std::uint32_t;
 
 enum class Act : std::uint8_t {
@@ -75,6 +75,13 @@ struct CodeText {
   std::string_view text;
 };
 
+// The I/O connection of a board on EtherNet/IP: connection points and bytes of data.
+struct IoLayout {
+  std::uint16_t output_point = 0, input_point = 0;
+  std::uint8_t output_size = 0, input_size = 0;
+  std::uint16_t input_only_point = 0, listen_only_point = 0;  // that stand for no output data
+};
+
 struct BoardProfile {
   std::string_view board;              // as in the plant file
   std::string_view protocol;           // "modbus", "canopen", "canopen-402"
@@ -87,6 +94,7 @@ struct BoardProfile {
   std::uint32_t raw_8888 = 0xfff0;
   // For a drive profile that counts in rpm: a reference in Hz at this number of poles.
   unsigned poles = 4;
+  IoLayout io = {};
 
   // What the board can be told this way.
   std::vector<Word> words() const;

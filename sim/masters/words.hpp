@@ -22,13 +22,14 @@ enum class Word : std::uint8_t {
   kReferenceHz,
   kReferenceRpm,
   kReset,        // of the inverter; done when it is ready again
+  kFaultReset,   // after an alarm; done when the inverter is ready again
   kClearAlarms,  // the alarm history
   kWriteParameter,
   kReadParameter,
   kMonitor,
 };
 VINV_ENUM_RANGE(Word, kEnterNetwork, kMonitor);
-inline constexpr std::size_t kWords = 13;
+inline constexpr std::size_t kWords = 14;
 std::string_view name_of(Word word);  // "enter network", "run forward"
 
 struct Order {

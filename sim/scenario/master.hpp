@@ -54,6 +54,9 @@ struct MasterKind {
   std::string_view name;
   std::vector<std::string_view> words;
   std::function<Result<std::unique_ptr<Master>, std::string>(const MasterContext&)> make;
+  // What is wrong with a word's value, whatever the plant: a sentence without full stop; empty: nothing. Not set: it is
+  // told when the word is said.
+  std::function<std::string(std::string_view word, const rig::Json& value)> objection = {};
 };
 
 }  // namespace vinv::scenario

@@ -1,14 +1,16 @@
 #include "sim/scenario/protocol_masters.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <utility>
 
+#include "option_boards/ethernet_ip/encapsulation.hpp"
+#include "sim/base/check.hpp"
 #include "sim/masters/canopen_station.hpp"
+#include "sim/masters/eip_station.hpp"
 #include "sim/masters/modbus_station.hpp"
-#include "sim/rig/quantity.hpp"
-#include "sim/rig/words.hpp"
+#include "sim/scenario/master_words.hpp"
+#include "sim/scenario/units.hpp"
 #include "sim/transports/memory_streams.hpp"
 
 namespace vinv::scenario {
@@ -17,32 +19,28 @@ namespace {
 using masters::Word;
 using rig::Json;
 
-enum class Wire : std::uint8_t { kSerial, kTcp, kCan };
+enum class Wire : std::uint8_t { kSerial, kTcp, kCan, kEthernet };
 
 struct Kind {
   std::string_view name;     // in `via:`
   std::string_view profile;  // protocol of the board profile
   Wire wire;
+  bool connected = false;  // kEthernet: explicit messages over a class 3 connection
 };
 constexpr Kind kKinds[] = {{"modbus", "modbus", Wire::kSerial},
                            {"modbus_tcp", "modbus", Wire::kTcp},
                            {"canopen", "canopen", Wire::kCan},
                            {"canopen_sdo", "canopen-sdo", Wire::kCan},
-                           {"canopen_402", "canopen-402", Wire::kCan}};
+                           {"canopen_402", "canopen-402", Wire::kCan},
+                           {"ethernet-ip", "ethernet-ip", Wire::kEthernet},
+                           {"ethernet-ip-second", "ethernet-ip", Wire::kEthernet},
+                           {"ethernet-ip-20", "ethernet-ip-20", Wire::kEthernet},
+                           {"ethernet-ip-126", "ethernet-ip-126", Wire::kEthernet},
+                           {"ethernet-ip-129", "ethernet-ip-129", Wire::kEthernet},
+                           {"ethernet-ip-explicit", "ethernet-ip-explicit", Wire::kEthernet},
+                           {"ethernet-ip-class3", "ethernet-ip-explicit", Wire::kEthernet, true}};
 
 constexpr Duration kTcpDelay = std::chrono::microseconds(100);  // of a local network
-
-// "Pr.7", "Pr.902.1"; false if it is no parameter.
-bool parse_parameter(std::string_view name, masters::Order& order) {
-  if (!name.starts_with("Pr.")) return false;
-  const char* const end = name.data() + name.size();
-  auto [at, error] = std::from_chars(name.data() + 3, end, order.parameter);
-  if (error != std::errc{}) return false;
-  if (at == end) return true;
-  if (*at != '.') return false;
-  const auto sub = std::from_chars(at + 1, end, order.sub);
-  return sub.ec == std::errc{} && sub.ptr == end;
-}
 
 // A serial line's settings as masters have them.
 masters::ModbusMasterSettings modbus_settings(const boards::LineSettings& line) {
@@ -57,7 +55,8 @@ struct State {
   masters::Station* station_ = nullptr;  // spoken on last
   rig::DriveUnit* drive_ = nullptr;
   const masters::BoardProfile* profile_ = nullptr;
-  std::vector<std::pair<std::string, masters::Order>> orders_;  // still to be done, with their names
+  std::vector<SaidOrder> orders_;  // still to be done
+  bool task_ = false;              // a scanner's is under way
   Json readings_;
   std::optional<Master::Outcome> outcome_;
 };
@@ -74,30 +73,46 @@ class ProtocolMaster : public Master, private State {
  public:
   ProtocolMaster(const Kind& kind, const MasterContext& context) : kind_(kind), context_(context) {}
 
-  std::vector<std::string_view> words() const override { return master_words(); }
+  std::vector<std::string_view> words() const override {
+    return kind_.wire == Wire::kEthernet ? master_words() : common_master_words();
+  }
 
   void begin(Instant now, std::size_t drive, std::string_view word, const Json& value) override {
     outcome_.reset();
     orders_.clear();
+    task_ = false;
     readings_ = nullptr;
     drive_ = context_.plant.drives()[drive].get();
     station_ = station_of(now, *drive_);
     if (station_ == nullptr) return;
-    if (word == "silence") return silence(now, value);
-    if (const auto bad = read(word, value)) {
-      outcome_ = Unexpected(*bad);
-      return;
-    }
     profile_ = masters::find_profile(drive_->spec.board->type.value, kind_.profile);
     if (profile_ == nullptr) {
       outcome_ = Unexpected("nobody has said how board " + drive_->spec.board->type.value + " is spoken to over " +
                             std::string(kind_.profile));
       return;
     }
+    auto said = read_master_word(*profile_, word, value);
+    if (!said) {
+      outcome_ = Unexpected(said.error());
+      return;
+    }
+    if (said->silence) return silence(now, *said->silence);
+    if (said->task) {
+      task_ = true;
+      return static_cast<masters::EipStation*>(station_)->begin_task(now, *said->task);
+    }
+    orders_ = std::move(said->orders);
+    for (SaidOrder& o : orders_) address(o.order);
     next(now);
   }
 
   std::optional<Outcome> poll(Instant now) override {
+    if (task_ && !outcome_) {
+      const auto done = static_cast<masters::EipStation*>(station_)->poll_task();
+      if (!done) return std::nullopt;
+      task_ = false;
+      outcome_ = *done ? Outcome(Json(**done)) : Outcome(Unexpected(done->error()));
+    }
     while (!outcome_ && station_ != nullptr) {
       const auto done = station_->poll();
       if (!done) return std::nullopt;
@@ -105,9 +120,14 @@ class ProtocolMaster : public Master, private State {
         outcome_ = Unexpected(done->error());
         break;
       }
-      const masters::Order& order = orders_.front().second;
-      if (order.word == Word::kReadParameter || order.word == Word::kMonitor)
-        readings_[orders_.front().first] = (*done)->value;
+      const SaidOrder& said = orders_.front();
+      const double value = (*done)->value;
+      if (said.range && !(value >= said.range->low && value <= said.range->high)) {
+        outcome_ = Unexpected("monitor " + said.name + " shows " + show_value(value, (*done)->unit) + ", not " +
+                              said.range->text);
+        break;
+      }
+      if (said.order.word == Word::kReadParameter || said.order.word == Word::kMonitor) readings_[said.name] = value;
       orders_.erase(orders_.begin());
       next(now);
     }
@@ -147,14 +167,14 @@ class ProtocolMaster : public Master, private State {
 
   void archive_state(Archive& a) override {
     auto& drives = context_.plant.drives();
-    VINV_MEMBERS(static_cast<State&>(*this), station, drive, profile, orders, readings, outcome);
+    VINV_MEMBERS(static_cast<State&>(*this), station, drive, profile, orders, task, readings, outcome);
     // By what they are found by.
     std::optional<std::size_t> wire, spoken_to;
     for (const auto& [number, wired] : stations_)
       if (wired.station.get() == station) wire = number;
     for (std::size_t i = 0; i < drives.size(); ++i)
       if (drives[i].get() == drive) spoken_to = i;
-    VINV_FIELDS(a, ProtocolMaster, wire, spoken_to, orders);
+    VINV_FIELDS(a, ProtocolMaster, wire, spoken_to, orders, task);
     archive_json(a, readings);
     bool present = outcome.has_value();
     a.io(present);
@@ -183,16 +203,11 @@ class ProtocolMaster : public Master, private State {
                   ? masters::find_profile(drive->spec.board->type.value, kind_.profile)
                   : nullptr;
     a.require(orders.empty() || (station != nullptr && profile != nullptr), "a master has orders for nobody");
+    a.require(!task || (station != nullptr && kind_.wire == Wire::kEthernet), "a master has a task for nobody");
   }
 
  private:
-  void silence(Instant now, const Json& value) {
-    bool on = value.is_null();
-    if (value.is_boolean())
-      on = value.get<bool>();
-    else if (value.is_string() && !rig::parse_switch(value.get<std::string>(), on))
-      outcome_ = Unexpected(std::string("silence is ") + value.dump() + "; allowed: on, off");
-    if (outcome_) return;
+  void silence(Instant now, bool on) {
     for (const auto& [wire, wired] : stations_) wired.station->set_silent(now, on);
     outcome_ = Json(on ? "on" : "off");
   }
@@ -202,105 +217,51 @@ class ProtocolMaster : public Master, private State {
       outcome_ = readings_;
       return;
     }
-    station_->begin(now, *profile_, orders_.front().second);
+    station_->begin(now, *profile_, orders_.front().order);
   }
 
-  masters::Order order(Word word, double value = 0) const {
-    masters::Order o;
-    o.node = static_cast<std::uint8_t>(kind_.wire == Wire::kCan ? drive_->can_node() : drive_->unit());
-    o.word = word;
-    o.value = value;
-    return o;
-  }
-  void add(const masters::Order& o, std::string name = {}) { orders_.emplace_back(std::move(name), o); }
-
-  // The orders that the word stands for; a sentence if it cannot be understood.
-  std::optional<std::string> read(std::string_view word, const Json& value) {
-    const std::string text = value.is_string() ? value.get<std::string>() : std::string{};
-    const auto wrong = [&](std::string_view allowed) {
-      return std::string(word) + " is " + (value.is_null() ? "nothing" : value.dump()) +
-             "; allowed: " + std::string(allowed);
-    };
-    if (word == "run") {
-      if (text != "forward" && text != "reverse") return wrong("forward, reverse");
-      add(order(text == "forward" ? Word::kRunForward : Word::kRunReverse));
-    } else if (word == "mode") {
-      if (text != "NET" && text != "EXT") return wrong("NET, EXT");
-      add(order(text == "NET" ? Word::kEnterNetwork : Word::kLeaveNetwork));
-    } else if (word == "reference") {
-      if (const auto hz = rig::parse_quantity(text, rig::Dimension::kFrequency))
-        add(order(Word::kReferenceHz, *hz));
-      else if (const auto rpm = rig::parse_quantity(text, rig::Dimension::kSpeed))
-        add(order(Word::kReferenceRpm, *rpm));
-      else
-        return wrong("a frequency or a speed, as 40 Hz or 1200 rpm");
-      if (orders_.back().second.value < 0) return wrong("0 or more; run: reverse gives the direction");
-    } else if (word == "monitor") {
-      if (text.empty()) return wrong("the name of a monitor, as output_frequency");
-      masters::Order o = order(Word::kMonitor);
-      o.monitor = text;
-      add(o, text);
-    } else if (word == "parameter") {
-      return read_parameters(value);
-    } else if (word == "stop") {
-      add(order(Word::kStop));
-    } else if (word == "quick_stop") {
-      add(order(Word::kQuickStop));
-    } else if (word == "reset") {
-      add(order(Word::kReset));
-    } else {
-      add(order(Word::kClearAlarms));
+  // What the drive adds to an order. One that the family does not have is the board's to refuse.
+  void address(masters::Order& o) const {
+    o.node = static_cast<std::uint8_t>(kind_.wire == Wire::kCan        ? drive_->can_node()
+                                       : kind_.wire == Wire::kEthernet ? 1
+                                                                       : drive_->unit());
+    if (o.word != Word::kReadParameter && o.word != Word::kWriteParameter) return;
+    for (const inverter::ParameterInfo& p : drive_->inverter->parameters()) {
+      if (p.id.number != o.parameter || (p.id.sub != o.sub && o.sub != 0)) continue;
+      o.increment = p.increment;
+      return;
     }
-    return std::nullopt;
-  }
-
-  std::optional<std::string> read_parameters(const Json& value) {
-    constexpr std::string_view kForm = "parameter takes Pr.7, [Pr.7, Pr.8] or {Pr.7: 2.5}";
-    const Json names = value.is_string() ? Json::array({value}) : value;
-    if (!names.is_array() && !names.is_object()) return std::string(kForm);
-    for (const auto& [key, entry] : names.items()) {
-      if (names.is_array() && !entry.is_string()) return std::string(kForm);
-      const std::string name = names.is_array() ? entry.get<std::string>() : key;
-      masters::Order o = order(names.is_array() ? Word::kReadParameter : Word::kWriteParameter);
-      const auto known = drive_->inverter->parameters();
-      const auto fits = [&](const inverter::ParameterInfo& p) {
-        return p.id.number == o.parameter && (p.id.sub == o.sub || o.sub == 0);
-      };
-      if (!parse_parameter(name, o)) return "\"" + name + "\" is no parameter; allowed: names as Pr.7";
-      // One that the family does not have is the board's to refuse.
-      const auto info = std::find_if(known.begin(), known.end(), fits);
-      if (info != known.end()) o.increment = info->increment;
-      if (names.is_object()) {
-        if (entry.is_number())
-          o.value = entry.get<double>();
-        else if (!entry.is_string() || !rig::parse_number(entry.get<std::string>(), o.value))
-          return name + " is " + entry.dump() + "; allowed: a number";
-      }
-      add(o, name);
-    }
-    return std::nullopt;
   }
 
   // nullptr and an outcome: the drive has no such wire.
   masters::Station* station_of(Instant now, const rig::DriveUnit& drive) {
     const auto& board = drive.spec.board;
-    const auto wire = !board                        ? std::nullopt
-                      : kind_.wire == Wire::kSerial ? board->serial
-                      : kind_.wire == Wire::kTcp    ? board->tcp
-                      : drive.controller            ? board->can
-                                                    : std::nullopt;
+    const auto wire = !board                          ? std::nullopt
+                      : kind_.wire == Wire::kSerial   ? board->serial
+                      : kind_.wire == Wire::kTcp      ? board->tcp
+                      : kind_.wire == Wire::kEthernet ? ethernet_of(drive)
+                      : drive.controller              ? board->can
+                                                      : std::nullopt;
     if (!wire) {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
     }
     Wired& wired = stations_[*wire];
     if (wired.station == nullptr) {
-      const auto& all = context_.plant.drives();
-      const auto at = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.get() == &drive; });
-      wired.drive = static_cast<std::size_t>(at - all.begin());
+      wired.drive = index_of(drive);
       wired.station = make(now, drive, *wire);
     }
     return wired.station.get();
+  }
+
+  std::size_t index_of(const rig::DriveUnit& drive) const {
+    const auto& all = context_.plant.drives();
+    const auto at = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.get() == &drive; });
+    return static_cast<std::size_t>(at - all.begin());
+  }
+  // A scanner for each adapter.
+  std::optional<std::size_t> ethernet_of(const rig::DriveUnit& drive) const {
+    return drive.ethernet != nullptr ? std::optional(index_of(drive)) : std::nullopt;
   }
 
   std::unique_ptr<masters::Station> make(Instant now, const rig::DriveUnit& drive, std::size_t wire) {
@@ -349,6 +310,13 @@ class ProtocolMaster : public Master, private State {
         record.network = plant.file().can[wire].name;
         break;
       }
+      case Wire::kEthernet: {
+        made = scanner(drive, wire);
+        record.kind = WireRecord::Kind::kTcp;
+        record.network =
+            ipv4_text(drive.spec.board->ethernet->address) + ":" + std::to_string(ethernet_ip::kEncapsulationPort);
+        break;
+      }
     }
     made->on_wire([this, record, name = drive.spec.name](const masters::WireFrame& frame) {
       if (!context_.on_wire) return;
@@ -357,6 +325,10 @@ class ProtocolMaster : public Master, private State {
       r.sender = frame.sent ? "master" : name;
       r.bytes = frame.bytes;
       r.connection = frame.connection;
+      if (kind_.wire == Wire::kEthernet && frame.connection == masters::EipStation::kDatagrams) {
+        r.kind = WireRecord::Kind::kUdp;
+        r.connection = 0;
+      }
       if (r.kind == WireRecord::Kind::kCanFrame) {
         r.id = read_be32(frame.bytes, 0);
         r.bytes.erase(r.bytes.begin(), r.bytes.begin() + 4);
@@ -365,6 +337,34 @@ class ProtocolMaster : public Master, private State {
       context_.on_wire(std::move(r));
     });
     return made;
+  }
+
+  // A scanner has an address of its own for each adapter: both use UDP 2222.
+  std::unique_ptr<masters::Station> scanner(const rig::DriveUnit& drive, std::size_t number) {
+    rig::Plant& plant = context_.plant;
+    const auto kind = static_cast<unsigned>(&kind_ - kKinds);
+    const std::uint32_t own = ipv4(127, 200 + kind, 1 + static_cast<unsigned>(number / 250), 1 + number % 250);
+    const std::uint32_t adapter = drive.spec.board->ethernet->address;
+    masters::EipStationSettings settings;
+    settings.scanner.originator_serial = kind + 1;
+    settings.adapter = {adapter, ethernet_ip::kIoPort};
+    settings.connected = kind_.connected;
+    if (const auto* profile = masters::find_profile(drive.spec.board->type.value, kind_.profile)) {
+      settings.wish.output_point = profile->io.output_point;
+      settings.wish.input_point = profile->io.input_point;
+      settings.wish.output_size = profile->io.output_size;
+      settings.wish.input_size = profile->io.input_size;
+    }
+    constexpr std::uint16_t kFirstPort = 50000;
+    auto io = plant.datagrams().open({own, ethernet_ip::kIoPort});
+    VINV_CHECK(io.has_value());  // nobody else has such an address
+    return std::make_unique<masters::EipStation>(
+        plant.scheduler(), settings,
+        [&plant, own, adapter](Instant at) {
+          return plant.connect_tcp(at, {own, kFirstPort}, {adapter, ethernet_ip::kEncapsulationPort},
+                                   {.delay = kTcpDelay});
+        },
+        std::move(*io), &plant.streams());
   }
 
   // By the node in the predefined connection set.
@@ -387,13 +387,22 @@ class ProtocolMaster : public Master, private State {
 }  // namespace
 
 const std::vector<std::string_view>& master_words() {
-  static const std::vector<std::string_view> all{"mode",  "run",       "stop",    "quick_stop",   "reference",
-                                                 "reset", "parameter", "monitor", "clear_alarms", "silence"};
+  static const std::vector<std::string_view> all = [] {
+    std::vector<std::string_view> out = common_master_words();
+    out.insert(out.end(), scanner_words().begin(), scanner_words().end());
+    return out;
+  }();
   return all;
 }
 
 // A serial line has one other end, which must not be taken from somebody without a word. Empty: none.
 static std::string objection(const Kind& kind, const rig::Plant& plant) {
+  if (kind.wire == Wire::kEthernet && kind.profile != "ethernet-ip-explicit")
+    for (const auto& d : plant.drives())
+      if (d->ethernet != nullptr && d->ethernet->is_outside())
+        return "the I/O of " + d->spec.name +
+               " is open to scanners outside, as in every live run; speak via ethernet-ip-explicit, or run in virtual "
+               "time";
   if (kind.wire != Wire::kSerial) return {};
   for (const auto& d : plant.drives())
     if (d->spec.board && d->spec.board->serial && plant.serial_is_outside(*d->spec.board->serial))
@@ -405,10 +414,18 @@ static std::string objection(const Kind& kind, const rig::Plant& plant) {
 std::vector<MasterKind> protocol_masters() {
   std::vector<MasterKind> out;
   for (const Kind& kind : kKinds)
-    out.push_back({kind.name, master_words(),
+    out.push_back({kind.name, kind.wire == Wire::kEthernet ? master_words() : common_master_words(),
                    [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
                      if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
                      return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
+                   },
+                   [&kind](std::string_view word, const Json& value) -> std::string {
+                     for (const masters::BoardProfile& profile : masters::profiles()) {
+                       if (profile.protocol != kind.profile) continue;
+                       const auto said = read_master_word(profile, word, value);
+                       return said ? std::string() : said.error();
+                     }
+                     return {};
                    }});
   return out;
 }

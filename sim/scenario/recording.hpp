@@ -37,8 +37,8 @@ inline constexpr std::size_t kMaxChanges = 100'000;
 
 // One frame or piece of bytes on a wire.
 struct WireRecord {
-  enum class Kind : std::uint8_t { kCanFrame, kCanError, kSerial, kTcp };
-  friend VINV_ENUM_RANGE(Kind, kCanFrame, kTcp);
+  enum class Kind : std::uint8_t { kCanFrame, kCanError, kSerial, kTcp, kUdp };
+  friend VINV_ENUM_RANGE(Kind, kCanFrame, kUdp);
   Instant at;
   Kind kind = Kind::kSerial;
   std::string network;   // as the plant file names it

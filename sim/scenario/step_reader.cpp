@@ -225,6 +225,9 @@ void StepReader::action(const StepMap& map, const YAML::Node& value, Step& s) {
     if (master != options_.masters.end() && !contains(master->words, a.command))
       problems_.add(verb.key_node, "the master " + s.via + " cannot say \"" + a.command + "\"; " +
                                        rig::allowed_words(a.command, master->words));
+    else if (master != options_.masters.end() && master->objection)
+      if (const std::string why = master->objection(a.command, a.value); !why.empty())
+        problems_.add(value.IsNull() ? verb.key_node : value, why + ".");
   } else if (!a.refused) {
     try_by_hand(trial_, s.drive, a, rig::position_of(verb.key_node), value, problems_);
   }

@@ -14,6 +14,7 @@
 #include "sim/transports/pcapng.hpp"
 #include "sim/transports/serial_packets.hpp"
 #include "sim/transports/tcp_conversation.hpp"
+#include "sim/transports/udp_frame.hpp"
 
 namespace vinv::scenario {
 namespace {
@@ -77,6 +78,7 @@ class Capture {
       case WireRecord::Kind::kCanError: return can(r, transports::socketcan_packet(error_frame(r)));
       case WireRecord::Kind::kSerial: return serial(r);
       case WireRecord::Kind::kTcp: return tcp(r);
+      case WireRecord::Kind::kUdp: return udp(r);
     }
   }
 
@@ -133,18 +135,33 @@ class Capture {
     line->bytes(r.at, from_master(r) ? PacketDirection::kInbound : PacketDirection::kOutbound, r.bytes);
   }
 
+  std::uint32_t ethernet(const std::string& name) {
+    auto network = ethernets_.find(name);
+    if (network == ethernets_.end())
+      network = ethernets_
+                    .emplace(name, encoder_.add_interface(head_, transports::LinkType::kEthernet,
+                                                          interface_name(name, "tcp")))
+                    .first;
+    return network->second;
+  }
+
+  // Class 1 packets; both ends have the standard's port.
+  void udp(const WireRecord& r) {
+    constexpr std::uint16_t kIoPort = 2222;
+    const auto device = transports::parse_ip_endpoint(r.network).value_or(test_net(254, 0)).address;
+    const Ipv4Endpoint drive{ipv4(device[0], device[1], device[2], device[3]), kIoPort};
+    const Ipv4Endpoint master{ipv4(192, 0, 2, 1), kIoPort};
+    transports::make_udp_frame(frame_, from_master(r) ? master : drive, from_master(r) ? drive : master, r.bytes,
+                               {.ip_id = next_ip_id_++, .dscp = 0});
+    packet(ethernet(r.network), r.at, frame_, from_master(r) ? PacketDirection::kInbound : PacketDirection::kOutbound);
+  }
+
   void tcp(const WireRecord& r) {
     using transports::TcpSide;
     auto& connection = connections_[{r.network, r.connection}];
     if (!connection) {
       const auto number = static_cast<std::uint32_t>(connections_.size() - 1);
-      auto network = ethernets_.find(r.network);
-      if (network == ethernets_.end())
-        network = ethernets_
-                      .emplace(r.network, encoder_.add_interface(head_, transports::LinkType::kEthernet,
-                                                                 interface_name(r.network, "tcp")))
-                      .first;
-      const std::uint32_t id = network->second;
+      const std::uint32_t id = ethernet(r.network);
       connection = std::make_unique<Connection>();
       connection->last = r.at;
       connection->conversation = std::make_unique<transports::TcpConversation>(
@@ -159,6 +176,8 @@ class Capture {
     connection->conversation->data(from_master(r) ? TcpSide::kClient : TcpSide::kServer, r.bytes);
   }
 
+  Bytes frame_;
+  std::uint16_t next_ip_id_ = 0;
   Bytes head_;  // the section and its interfaces
   Bytes packets_;
   std::vector<Block> blocks_;

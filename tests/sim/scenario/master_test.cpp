@@ -157,6 +157,42 @@ TEST(Frames, BadBytesAndMasksAreRefusedAtReading) {
     EXPECT_THROW(run_via(std::string("  - ") + step + "\n"), ScenarioFileError) << step;
 }
 
+// What is wrong with a word of a master is told when the file is read, with what is allowed.
+TEST(ProtocolMasters, AValueThatAMasterCannotSayIsRefusedAtReading) {
+  struct Case {
+    const char* step;
+    const char* message;
+  };
+  for (const Case& c : {
+           Case{"{ via: modbus, run: forwards }", "run is \"forwards\"; allowed: forward, reverse."},
+           Case{"{ via: ethernet-ip, monitor: { output_frequenzy: 1 Hz } }",
+                "there is no monitor \"output_frequenzy\"; allowed: output_frequency"},
+           Case{"{ via: ethernet-ip, monitor: { output_frequency: 40 } }",
+                "monitor output_frequency: \"40\" has no unit"},
+           Case{"{ via: ethernet-ip, open: { role: owners } }",
+                "open.role is \"owners\"; allowed: owner, input_only, listen_only."},
+           Case{"{ via: ethernet-ip, open: { roll: owner } }", "unknown key \"roll\" in open; allowed: role"},
+           Case{"{ via: ethernet-ip, open: { multiplier: 5 } }", "open.multiplier is \"5\"; allowed: 4, 8, 16"},
+           Case{"{ via: ethernet-ip, request: { get: 0x2A/1 } }",
+                "request.get is \"0x2A/1\"; allowed: class, instance and attribute, as 0x2A/1/114."},
+           Case{"{ via: ethernet-ip, request: { data: 01 } }", "request has one of get, set and service"},
+           Case{"{ via: ethernet-ip, output: 6 }", "output is \"6\"; allowed: bytes in hexadecimal"},
+           Case{"{ via: ethernet-ip, input: { bytes: 61, mask: FFFF } }",
+                "input.mask is \"FFFF\"; allowed: as many bytes"},
+           Case{"{ via: ethernet-ip, idle: perhaps }", "idle is \"perhaps\"; allowed: on, off."},
+           Case{"{ via: modbus, open: }", "the master modbus cannot say \"open\"; allowed: mode"},
+       }) {
+    LoadOptions load = testing::load_options();
+    load.masters = protocol_masters();
+    try {
+      testing::read(std::string(testing::kHead) + "steps:\n  - " + c.step + "\n", load);
+      ADD_FAILURE() << c.step;
+    } catch (const ScenarioFileError& e) {
+      EXPECT_NE(std::string(e.what()).find(c.message), std::string::npos) << c.step << "\n" << e.what();
+    }
+  }
+}
+
 TEST(ProtocolMasters, ASerialLineThatSomebodyOutsideHasIsNotTakenAway) {
   kernel::Scheduler scheduler;
   rig::PlantOptions options;
