@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "motor_model/drive/frequency_limits.hpp"
 #include "motor_model/drive/vf_curve.hpp"
@@ -232,9 +233,9 @@ Motion DriveCore::motion(double target_hz) const {
 }
 
 void DriveCore::run_ramp(const Tick& t, double target_hz) {
-  DriveSettings of_restart;
+  std::optional<DriveSettings> of_restart;
   if (catching_) of_restart = settings_of_restart(t.settings);
-  const DriveSettings& s = catching_ ? of_restart : t.settings;
+  const DriveSettings& s = of_restart ? *of_restart : t.settings;
   if (t.command.lower_by_hz > 0) ramp_.lower(t.command.lower_by_hz, s.start_frequency_hz);
   const Motion now = motion(target_hz);  // apart from stall prevention
   const double magnitude = std::abs(ramp_.frequency_hz());
