@@ -92,7 +92,7 @@ VectorControl::Output VectorControl::step(double dt_s, const VectorSettings& s, 
     last_reference_hz_ = in.reference_hz;
   }
   const double base = s.rated_frequency_hz;
-  const Limits most = limits(s, in, flux_.value());
+  const Limits most = limits(s, in, flux_.value() / std::max(flux_wanted_, kLeastFlux));
   double wanted = 0;
   if (s.torque_control) {
     integral_ = 0;
@@ -110,7 +110,7 @@ VectorControl::Output VectorControl::step(double dt_s, const VectorSettings& s, 
   // Flux: weaker above the rated frequency, and without load where that is set.
   const double idle = s.idle_excitation + (1 - s.idle_excitation) * std::min(1.0, std::abs(torque));
   const double field = std::abs(in.rotor_hz) > base ? base / std::abs(in.rotor_hz) : 1;
-  const double flux_wanted = std::min(idle, field);
+  const double flux_wanted = flux_wanted_ = std::min(idle, field);
   const double rotor_s = s.torque_current_a_rms /
                          std::max(1e-6, s.no_load_current_a_rms * 2 * std::numbers::pi * s.rated_slip_hz);
   flux_.step(dt_s, rotor_s, flux_wanted);

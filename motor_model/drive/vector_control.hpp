@@ -43,7 +43,8 @@ class VectorControl {
   FirstOrderLag set_speed_;
   FirstOrderLag torque_;
   FirstOrderLag ahead_;
-  FirstOrderLag flux_;      // part of the rated one
+  FirstOrderLag flux_;  // part of the rated one
+  double flux_wanted_ = 1;
   double integral_ = 0;     // of the speed controller, parts of rated torque
   double most_speed_ = 0;   // ... of the speed limits of torque control
   double least_speed_ = 0;
@@ -51,7 +52,7 @@ class VectorControl {
   double last_reference_hz_ = 0;
   bool began_ = false;
   OnDelay stalled_;
-  VINV_ARCHIVE(VectorControl, set_speed_, torque_, ahead_, flux_, integral_, most_speed_, least_speed_, trim_,
+  VINV_ARCHIVE(VectorControl, set_speed_, torque_, ahead_, flux_, flux_wanted_, integral_, most_speed_, least_speed_, trim_,
                last_reference_hz_, began_, stalled_);
 };
 
