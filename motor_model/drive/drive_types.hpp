@@ -145,23 +145,24 @@ struct DriveSettings {
   double carrier_hz = 1000;
   VINV_ARCHIVE(DriveSettings, rated_current_a_rms, nominal_dc_link_v, supply_voltage_v_rms, max_frequency_hz,
                min_frequency_hz, start_frequency_hz, jump_bands, acceleration_s, deceleration_s, ramp_reference_hz,
-               cushion_pattern_base_hz, ramp_pattern, s_time_acceleration_s, s_time_deceleration_s, s_end_acceleration_s,
-               s_end_deceleration_s, backlash_up_hz,
-               backlash_up_s, backlash_down_hz, backlash_down_s, start_hold_s, base_frequency_hz, base_voltage_v_rms,
-               torque_boost_percent, load_pattern, vf_points, vf_point_count, stator_resistance_compensation_ohm,
-               motor_slip_hz, motor_stator_ohm, rated_slip_hz, motor_rated_current_a_rms, motor_no_load_current_a_rms,
-               slip_response_s, slip_in_constant_output, droop_hz, droop_filter_s, droop_in_ramps,
-               dc_brake_frequency_hz, dc_brake_s, dc_brake_voltage_percent, zero_speed_brake, stall_level_percent,
-               stall_level_double_speed_percent, stall_compensated, stall_reduction_start_hz, stall_in_acceleration,
-               stall_at_constant, stall_in_deceleration, stall_trips_at_once, fast_current_limit, dc_link_hold_v,
-               shortest_acceleration, shortest_deceleration, shortest_watches_link, shortest_current_acceleration_a_rms,
+               cushion_pattern_base_hz, ramp_pattern, s_time_acceleration_s, s_time_deceleration_s,
+               s_end_acceleration_s, s_end_deceleration_s, backlash_up_hz, backlash_up_s, backlash_down_hz,
+               backlash_down_s, start_hold_s, base_frequency_hz, base_voltage_v_rms, torque_boost_percent, load_pattern,
+               vf_points, vf_point_count, stator_resistance_compensation_ohm, motor_slip_hz, motor_stator_ohm,
+               rated_slip_hz, motor_rated_current_a_rms, motor_no_load_current_a_rms, slip_response_s,
+               slip_in_constant_output, droop_hz, droop_filter_s, droop_in_ramps, dc_brake_frequency_hz, dc_brake_s,
+               dc_brake_voltage_percent, zero_speed_brake, stall_level_percent, stall_level_double_speed_percent,
+               stall_compensated, stall_reduction_start_hz, stall_in_acceleration, stall_at_constant,
+               stall_in_deceleration, stall_trips_at_once, fast_current_limit, dc_link_hold_v, shortest_acceleration,
+               shortest_deceleration, shortest_watches_link, shortest_current_acceleration_a_rms,
                shortest_current_deceleration_a_rms, stop_by_coasting, coast_delay_s, electronic_thermal_a_rms,
-               motor_forced_cooling, second_motor, motor_alarms_wait, inverter_overload_start_percent, over_current_percent, over_voltage_v,
-               under_voltage_v, under_voltage_clear_v, stall_trip_frequency_hz, stall_trip_s, heat_sink_trip_c,
-               output_phase_loss_protection, earth_fault_detection, chopper_fitted, chopper_on_v, chopper_off_v,
-               chopper_duty_percent, restart_enabled, restart_coast_s, restart_cushion_s, power_failure_detect_s,
-               up_to_frequency_percent, detect_forward_hz, detect_reverse_hz, current_detect_percent, current_detect_s,
-               zero_current_percent, zero_current_s, current_detect_hold_s, vector, carrier_hz);
+               motor_forced_cooling, second_motor, motor_alarms_wait, inverter_overload_start_percent,
+               over_current_percent, over_voltage_v, under_voltage_v, under_voltage_clear_v, stall_trip_frequency_hz,
+               stall_trip_s, heat_sink_trip_c, output_phase_loss_protection, earth_fault_detection, chopper_fitted,
+               chopper_on_v, chopper_off_v, chopper_duty_percent, restart_enabled, restart_coast_s, restart_cushion_s,
+               power_failure_detect_s, up_to_frequency_percent, detect_forward_hz, detect_reverse_hz,
+               current_detect_percent, current_detect_s, zero_current_percent, zero_current_s, current_detect_hold_s,
+               vector, carrier_hz);
 };
 
 enum class RunDirection : std::int8_t { kReverse = -1, kStop = 0, kForward = 1 };
@@ -268,7 +269,7 @@ struct DriveOutputs {
   double torque_command_percent = 0;  // signed
   bool torque_limited = false;
   bool speed_limited = false;
-  std::optional<Trip> trip;        // new in this tick
+  std::optional<Trip> trip;  // new in this tick
   VINV_ARCHIVE(DriveOutputs, gates_on, stage_frequency_hz, stage_voltage_peak_v, chopper_enabled, state, running,
                output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, power_failure, frequency_detected,
                current_detected, zero_current, thermal_pre_alarm, motor_thermal_fraction, inverter_thermal_fraction,

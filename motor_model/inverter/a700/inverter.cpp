@@ -424,8 +424,12 @@ void A700Inverter::link_parameters(unsigned number, Storage storage) {
     case pr::kVoltageGain: copy_parameter({pr::kVoltageGain, 1}, {pr::kVoltageInputGain, 0}, storage); break;
     case pr::kCurrentInputGain: copy_parameter({pr::kCurrentInputGain, 0}, {pr::kCurrentGain, 1}, storage); break;
     // One torque command, of which Pr.806 is kept.
-    case pr::kTorqueCommandRam: copy_parameter({pr::kTorqueCommandRam, 0}, {pr::kTorqueCommand, 0}, Storage::kRamOnly); break;
-    case pr::kTorqueCommand: copy_parameter({pr::kTorqueCommand, 0}, {pr::kTorqueCommandRam, 0}, Storage::kRamOnly); break;
+    case pr::kTorqueCommandRam:
+      copy_parameter({pr::kTorqueCommandRam, 0}, {pr::kTorqueCommand, 0}, Storage::kRamOnly);
+      break;
+    case pr::kTorqueCommand:
+      copy_parameter({pr::kTorqueCommand, 0}, {pr::kTorqueCommandRam, 0}, Storage::kRamOnly);
+      break;
     case pr::kCurrentGain: copy_parameter({pr::kCurrentGain, 1}, {pr::kCurrentInputGain, 0}, storage); break;
     default: break;
   }

@@ -23,13 +23,13 @@ const mitsubishi::Personality& personality();
 
 // SettingsSelection::variant: bits.
 enum Variant : std::uint32_t {
-  kRestartOff = 1,       // CS is assigned and off
-  kBoostForward = 2,     // X17 with Pr.14 = 4 and 5
-  kHeldByX13 = 4,        // Pr.11 = 8888 and X13 on
-  kSecondSPattern = 8,   // X20
-  kSecondMotor = 16,     // RT with Pr.450
-  kTorqueByMc = 32,      // MC with Pr.800 or 451 = 12
-  kAboveSwitch = 64,     // above Pr.147
+  kRestartOff = 1,          // CS is assigned and off
+  kBoostForward = 2,        // X17 with Pr.14 = 4 and 5
+  kHeldByX13 = 4,           // Pr.11 = 8888 and X13 on
+  kSecondSPattern = 8,      // X20
+  kSecondMotor = 16,        // RT with Pr.450
+  kTorqueByMc = 32,         // MC with Pr.800 or 451 = 12
+  kAboveSwitch = 64,        // above Pr.147
   kAboveSecondStall = 128,  // above Pr.49
   kAboveThirdStall = 256,   // above Pr.115
 };
@@ -90,9 +90,10 @@ struct State {
   double energy_j = 0;
   std::int64_t line_errors = 0;  // not all in the record
   VINV_ARCHIVE(State, alive, raw_pr340, communication, external_jog, reversed, input_1, percent_1, percent_4,
-               second_motor, backward_limit_hz, am, capacitor_aged_s, thermal_relay_open, late_alarm, phase_lost, thermistor_hot,
-               sleep_due, asleep, pid_started, pid_set_point, pid_measured, current_peak_a, dc_link_peak_v, was_running,
-               overloaded, brake, brake_open, last_direction, traverse, traversing, energized_s, energy_j, line_errors);
+               second_motor, backward_limit_hz, am, capacitor_aged_s, thermal_relay_open, late_alarm, phase_lost,
+               thermistor_hot, sleep_due, asleep, pid_started, pid_set_point, pid_measured, current_peak_a,
+               dc_link_peak_v, was_running, overloaded, brake, brake_open, last_direction, traverse, traversing,
+               energized_s, energy_j, line_errors);
 };
 
 // What a short power failure leaves with Pr.340 = 2 or 12.

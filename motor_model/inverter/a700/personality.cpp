@@ -62,11 +62,17 @@ constexpr std::array<CauseName, 15> kCauses{{
     {"control_capacitor", &Causes::control_capacitor},
     {"main_capacitor", &Causes::main_capacitor},
 }};
-constexpr std::array<std::string_view, kCounters> kCounterNames{
-    "energized_seconds",        "energy_joule",           "line_errors",
-    "maintenance_seconds",      "network_frequency_0.01Hz", "inrush_operations",
-    "capacitor_ageing_seconds", "main_capacitor_percent", "main_capacitor_measuring",
-    "password",                 "password_errors"};
+constexpr std::array<std::string_view, kCounters> kCounterNames{"energized_seconds",
+                                                                "energy_joule",
+                                                                "line_errors",
+                                                                "maintenance_seconds",
+                                                                "network_frequency_0.01Hz",
+                                                                "inrush_operations",
+                                                                "capacitor_ageing_seconds",
+                                                                "main_capacitor_percent",
+                                                                "main_capacitor_measuring",
+                                                                "password",
+                                                                "password_errors"};
 
 }  // namespace
 

@@ -31,7 +31,8 @@ void set_second_and_third(drive::DriveSettings& s, const ParameterStore& p, cons
   if (!p.is_9999(pr::kThirdBaseFrequency)) {
     s.base_frequency_hz = s.cushion_pattern_base_hz = p.value(pr::kThirdBaseFrequency);
   }
-  if (p.value(pr::kThirdStallFrequency) != 0 && (selection.variant & kAboveThirdStall) == 0) s.stall_level_percent = p.value(pr::kThirdStallLevel);
+  if (p.value(pr::kThirdStallFrequency) != 0 && (selection.variant & kAboveThirdStall) == 0)
+    s.stall_level_percent = p.value(pr::kThirdStallLevel);
 }
 
 void set_pattern(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
@@ -64,8 +65,8 @@ void set_pattern(drive::DriveSettings& s, const ParameterStore& p, const Setting
   }
 }
 
-// Pr.292: 1 and 11 the shortest ramps, without and with a brake resistor; 3 ramps within the rated current. Pr.293 keeps
-// one of the two set times, Pr.61 to 63 change the reference.
+// Pr.292: 1 and 11 the shortest ramps, without and with a brake resistor; 3 ramps within the rated current. Pr.293
+// keeps one of the two set times, Pr.61 to 63 change the reference.
 void set_automatic(drive::DriveSettings& s, const ParameterStore& p, const SettingsSelection& selection) {
   const int mode = p.integer(pr::kAutomaticAcceleration);
   if ((mode != 1 && mode != 3 && mode != 11) || selection.jog || s.vector.on) return;

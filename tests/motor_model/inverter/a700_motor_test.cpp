@@ -155,7 +155,8 @@ TEST(A700Ramp, Pr29Is5RoundsEachEndAsPr516ToPr519Say) {
     const double half = seconds_to_reach(b, 25);
     const double up = half + seconds_to_reach(b, 50);
     EXPECT_TRUE(b.command({}).has_value());
-    const double down_half = seconds_until(b, [&] { return b.output_hz() <= 25; }, 10);
+    const double down_half = seconds_until(
+        b, [&] { return b.output_hz() <= 25; }, 10);
     return std::array{half, up, down_half, down_half + seconds_to_stop(b)};
   };
   const auto base = seconds({});
@@ -229,7 +230,9 @@ TEST(A700Ramp, AbovePr147TheSecondRampTimesHold) {
   EXPECT_NEAR(seconds_to_reach(b, 20), 0.4, 0.03);
   EXPECT_NEAR(seconds_to_reach(b, 50), 4 * 0.6, 0.03);
   ASSERT_TRUE(b.command({}).has_value());
-  EXPECT_NEAR(seconds_until(b, [&] { return b.output_hz() <= 20; }, 10), 2 * 0.6, 0.05);
+  EXPECT_NEAR(seconds_until(
+                  b, [&] { return b.output_hz() <= 20; }, 10),
+              2 * 0.6, 0.05);
 }
 
 // --- levels ---

@@ -74,8 +74,12 @@ TEST(A700Password, Pr296AndPr297LockReadingAndWriting) {
     unsigned level;
     bool panel_read, panel_write, network_read, network_write;
   };
-  for (const Case& c : {Case{1, true, false, true, false}, {2, true, false, true, true}, {3, true, true, true, false},
-                        {4, false, false, true, false}, {5, false, false, true, true}, {6, true, true, true, false}}) {
+  for (const Case& c : {Case{1, true, false, true, false},
+                        {2, true, false, true, true},
+                        {3, true, true, true, false},
+                        {4, false, false, true, false},
+                        {5, false, false, true, true},
+                        {6, true, true, true, false}}) {
     SCOPED_TRACE(c.level);
     Bench b = a700_with({{"Pr.340", 1}, {"Pr.77", 2}});
     ASSERT_TRUE(b.write_parameter(296, c.level).has_value());
@@ -126,9 +130,21 @@ TEST(A700Password, Level99LeavesTheUserGroupAndLevel0TheOptionNothing) {
 
 TEST(A700AlarmCode, Pr76PutsTheCodeOnFourTerminals) {
   const std::array terminals{"SU", "IPF", "OL", "FU"};
-  for (const auto& [name, code] : {std::pair{"E.OC1", 1u}, {"E.OC2", 2u}, {"E.OC3", 3u}, {"E.OV2", 4u}, {"E.THM", 5u},
-                                   {"E.THT", 6u}, {"E.IPF", 7u}, {"E.UVT", 8u}, {"E.FIN", 9u}, {"E.BE", 10u},
-                                   {"E.GF", 11u}, {"E.OHT", 12u}, {"E.OLT", 13u}, {"E.OP3", 14u}, {"E.CPU", 15u}}) {
+  for (const auto& [name, code] : {std::pair{"E.OC1", 1u},
+                                   {"E.OC2", 2u},
+                                   {"E.OC3", 3u},
+                                   {"E.OV2", 4u},
+                                   {"E.THM", 5u},
+                                   {"E.THT", 6u},
+                                   {"E.IPF", 7u},
+                                   {"E.UVT", 8u},
+                                   {"E.FIN", 9u},
+                                   {"E.BE", 10u},
+                                   {"E.GF", 11u},
+                                   {"E.OHT", 12u},
+                                   {"E.OLT", 13u},
+                                   {"E.OP3", 14u},
+                                   {"E.CPU", 15u}}) {
     for (const double pr76 : {0.0, 1.0, 2.0}) {
       Bench b = a700_with({{"Pr.76", pr76}, {"Pr.191", 11}});
       b.run(0.01);
@@ -175,8 +191,8 @@ TEST(A700Warning, ThePanelTellsWhatDoesNotTrip) {
   ASSERT_TRUE(ol.command({NetTerminal::kStf}).has_value());
   ol.run(1);
   EXPECT_EQ(panel(ol).warning, "OL");
-  Bench sl = a700_with({{"Pr.80", 1.5}, {"Pr.81", 4}, {"Pr.84", 50}, {"Pr.800", 11}, {"Pr.804", 1}, {"Pr.806", 1060},
-                        {"Pr.340", 1}});
+  Bench sl = a700_with(
+      {{"Pr.80", 1.5}, {"Pr.81", 4}, {"Pr.84", 50}, {"Pr.800", 11}, {"Pr.804", 1}, {"Pr.806", 1060}, {"Pr.340", 1}});
   ASSERT_TRUE(sl.frequency(20).has_value());
   ASSERT_TRUE(sl.command({NetTerminal::kStf}).has_value());
   sl.run(3);

@@ -236,7 +236,8 @@ TEST(A700Vector, Pr800Is12ChangesToTorqueControlWithMc) {
 
 TEST(A700Vector, MethodsThatNeedAnEncoderAreRefused) {
   Bench b = a700_with({{"Pr.340", 1}});
-  for (const unsigned method : {0u, 1u, 5u, 9u}) EXPECT_TRUE(refused(b.write_parameter(800, method), port::Refusal::kOutOfRange));
+  for (const unsigned method : {0u, 1u, 5u, 9u})
+    EXPECT_TRUE(refused(b.write_parameter(800, method), port::Refusal::kOutOfRange));
   EXPECT_TRUE(b.write_parameter(800, 10).has_value());
   const auto preset = b->preset_parameter("Pr.800", 3);
   ASSERT_FALSE(preset.has_value());
@@ -277,7 +278,8 @@ TEST(A700Vector, Pr820Pr821AndX44AreTheSpeedController) {
 TEST(A700Vector, Pr822AndPr826FilterSetSpeedAndTorque) {
   const auto seconds_to = [](double hz, const Settings& more) {
     Bench b = ordered(30, 10, more, with_load(0.02, 0));
-    return seconds_until(b, [&] { return speed_hz(b) > hz; }, 10);
+    return seconds_until(
+        b, [&] { return speed_hz(b) > hz; }, 10);
   };
   const double plain = seconds_to(15, {});
   EXPECT_GT(seconds_to(15, {{"Pr.822", 1}}), plain + 0.3);
@@ -326,7 +328,8 @@ TEST(A700Vector, Pr850HoldsTheSpeedAtZeroInPlaceOfTheDcBrake) {
     b->set_load(hoist);
     b.run(1);
     stop_command(b);
-    EXPECT_TRUE(b.run_until([&] { return b.signal("run_state") == kStateDcBraking; }, 3)) << b->alarm_name() << b->alarm_cause() << b.signal("speed");
+    EXPECT_TRUE(b.run_until([&] { return b.signal("run_state") == kStateDcBraking; }, 3))
+        << b->alarm_name() << b->alarm_cause() << b.signal("speed");
     b.run(2);
     return std::abs(b.signal("speed"));
   };
@@ -350,9 +353,9 @@ TEST(A700Vector, TheMotorConstantsSetVoltageAndCurrent) {
     return b.output_v();
   };
   const double factory = volts({});
-  EXPECT_GT(volts({{"Pr.90", 6}}), factory + 5);                       // R1 drops more
-  EXPECT_GT(volts({{"Pr.92", 20}, {"Pr.93", 20}}), factory + 1);       // leakage
-  EXPECT_LT(volts({{"Pr.859", 1.2}}), factory - 2);                    // torque current
+  EXPECT_GT(volts({{"Pr.90", 6}}), factory + 5);                  // R1 drops more
+  EXPECT_GT(volts({{"Pr.92", 20}, {"Pr.93", 20}}), factory + 1);  // leakage
+  EXPECT_LT(volts({{"Pr.859", 1.2}}), factory - 2);               // torque current
   // R2 says the slip that flux vector control compensates, and Pr.89 how much of it.
   const auto slip = [](const Settings& more) {
     Bench b = ordered(20, 20, more, with_load(0.01, 8));
