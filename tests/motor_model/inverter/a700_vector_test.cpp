@@ -123,6 +123,9 @@ TEST(A700Vector, Pr810Is1TakesTheTorqueLimitFromAnAnalogInput) {
   Bench four = ordered(30, 10, {{"Pr.810", 1}, {"Pr.858", 4}, {"Pr.933.1", 100}}, with_load(0.05, 0));
   ASSERT_TRUE(four->set_analog("4", 12).has_value());
   EXPECT_NEAR(highest_command(four, 0.5), 50, 1);
+  Bench bias = ordered(30, 10, {{"Pr.810", 1}, {"Pr.858", 4}, {"Pr.932.1", 40}, {"Pr.933.1", 100}}, with_load(0.05, 0));
+  ASSERT_TRUE(bias->set_analog("4", 12).has_value());
+  EXPECT_NEAR(highest_command(bias, 0.5), 70, 3);
   // Pr.868 = 2 limits braking only.
   Bench braking = ordered(30, 10, {{"Pr.810", 1}, {"Pr.868", 2}}, with_load(0.05, 0));
   ASSERT_TRUE(braking->set_analog("1", 2).has_value());
