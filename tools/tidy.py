@@ -14,7 +14,7 @@ ARROWS = {
     "sim/kernel": ["sim/base"],
     "sim/transports": ["sim/kernel"],
     "sim/rig": ["sim/transports", "option_boards/boards", "motor_model/inverter"],
-    "sim/masters": ["sim/transports", "option_boards/modbus", "option_boards/canopen"],
+    "sim/masters": ["sim/transports", "option_boards/modbus", "option_boards/canopen", "option_boards/ethernet_ip"],
     "sim/scenario": ["sim/rig", "sim/masters"],
     "sim/campaign": ["sim/scenario"],
     "motor_model/port": ["sim/base"],

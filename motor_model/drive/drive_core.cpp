@@ -17,9 +17,9 @@ constexpr double kCompensationLag_s = 0.05;
 double sign_of(RunDirection direction) { return static_cast<double>(direction); }
 
 RampTimes ramp_times(const DriveSettings& s) {
-  return {s.acceleration_s, s.deceleration_s,        s.ramp_reference_hz,     s.cushion_pattern_base_hz,
-          s.ramp_pattern,   s.s_time_acceleration_s, s.s_time_deceleration_s, s.backlash_up_hz,
-          s.backlash_up_s,  s.backlash_down_hz,      s.backlash_down_s,       s.s_end_acceleration_s,
+  return {s.acceleration_s,      s.deceleration_s,        s.ramp_reference_hz,     s.cushion_pattern_base_hz,
+          s.ramp_pattern,        s.s_time_acceleration_s, s.s_time_deceleration_s, s.backlash_up_hz,
+          s.backlash_up_s,       s.backlash_down_hz,      s.backlash_down_s,       s.s_end_acceleration_s,
           s.s_end_deceleration_s};
 }
 
@@ -374,8 +374,9 @@ void DriveCore::set_stage(const Tick& t) {
 void DriveCore::set_vector_stage(const Tick& t, double reference_hz, double limit, Motion motion) {
   const DriveSettings& s = t.settings;
   const double direction = reference_hz < 0 ? -1 : 1;
-  const double backward =
-      t.command.backward_limit_hz < 0 ? std::abs(reference_hz) : t.wanted ? t.command.backward_limit_hz : 0;
+  const double backward = t.command.backward_limit_hz < 0 ? std::abs(reference_hz)
+                          : t.wanted                      ? t.command.backward_limit_hz
+                                                          : 0;
   const auto out = vector_.step(t.dt_s, s.vector,
                                 {reference_hz, backward, direction * t.command.torque_percent,
                                  t.sensors.rotor_frequency_hz, t.sensors.torque_nm, limit, motion});
@@ -388,8 +389,7 @@ void DriveCore::set_vector_stage(const Tick& t, double reference_hz, double limi
   out_.speed_limited = out.speed_limited;
   if (!out.stalled) return;
   const RunState state = state_;
-  trip({TripKind::kStallPrevention, {}, std::abs(out.torque_percent), s.vector.stall_percent, state,
-        out.frequency_hz});
+  trip({TripKind::kStallPrevention, {}, std::abs(out.torque_percent), s.vector.stall_percent, state, out.frequency_hz});
 }
 
 void DriveCore::publish(const Tick& t) {

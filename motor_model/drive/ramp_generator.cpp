@@ -129,7 +129,9 @@ void RampGenerator::step_planned(double dt_s, double target_hz, double rate_hz_s
   const bool d = pattern == RampPattern::kSCurveD;
   const bool even = pattern == RampPattern::kSCurveC;
   // C takes its S time in addition to the straight ramp's; a short way is all S. So with D, which has two.
-  const auto s_curve_d = [&](double change_hz) { return s_curve_d_of(std::abs(change_hz) / rate_hz_s, s_time_s, s_end_s); };
+  const auto s_curve_d = [&](double change_hz) {
+    return s_curve_d_of(std::abs(change_hz) / rate_hz_s, s_time_s, s_end_s);
+  };
   const auto duration = [&](double change_hz) {
     const double straight = std::abs(change_hz) / rate_hz_s;
     if (d) return s_curve_d(change_hz).total_s;

@@ -7,11 +7,11 @@
 namespace vinv::drive {
 namespace {
 
-constexpr double kTrim_s = 0.05;      // integral action from missing torque to slip
-constexpr double kMostTrim = 0.5;     // of rated torque
-constexpr double kLeastFlux = 0.2;    // that a slip is computed with
+constexpr double kTrim_s = 0.05;    // integral action from missing torque to slip
+constexpr double kMostTrim = 0.5;   // of rated torque
+constexpr double kLeastFlux = 0.2;  // that a slip is computed with
 constexpr double kStall_s = 3;
-constexpr double kStallBand = 0.01;   // of rated torque: a limit at the stall level counts
+constexpr double kStallBand = 0.01;  // of rated torque: a limit at the stall level counts
 
 // Torque has two ends in each direction of rotation: driving it on and braking it.
 struct Limits {
@@ -77,9 +77,10 @@ double VectorControl::limited_command(double dt_s, const VectorSettings& s, cons
   speed_limited = high < command || low > command;
   // The integrals hold the speed at its limit; off it they are given back.
   const double share = s.integral_s > 0 ? dt_s / s.integral_s : 0;
-  most_speed_ = high < command ? std::clamp(most_speed_ + gain * above * share, least, most) : most_speed_ * (1 - share);
-  least_speed_ = low > command ? std::clamp(least_speed_ + gain * below * share, least, most)
-                               : least_speed_ * (1 - share);
+  most_speed_ =
+      high < command ? std::clamp(most_speed_ + gain * above * share, least, most) : most_speed_ * (1 - share);
+  least_speed_ =
+      low > command ? std::clamp(least_speed_ + gain * below * share, least, most) : least_speed_ * (1 - share);
   last_reference_hz_ = in.reference_hz;
   return torque;
 }
@@ -92,7 +93,7 @@ VectorControl::Output VectorControl::step(double dt_s, const VectorSettings& s, 
     last_reference_hz_ = in.reference_hz;
   }
   const double base = s.rated_frequency_hz;
-  const Limits most = limits(s, in, flux_.value());
+  const Limits most = limits(s, in, flux_.value() / std::max(flux_wanted_, kLeastFlux));
   double wanted = 0;
   if (s.torque_control) {
     integral_ = 0;
@@ -110,9 +111,9 @@ VectorControl::Output VectorControl::step(double dt_s, const VectorSettings& s, 
   // Flux: weaker above the rated frequency, and without load where that is set.
   const double idle = s.idle_excitation + (1 - s.idle_excitation) * std::min(1.0, std::abs(torque));
   const double field = std::abs(in.rotor_hz) > base ? base / std::abs(in.rotor_hz) : 1;
-  const double flux_wanted = std::min(idle, field);
-  const double rotor_s = s.torque_current_a_rms /
-                         std::max(1e-6, s.no_load_current_a_rms * 2 * std::numbers::pi * s.rated_slip_hz);
+  const double flux_wanted = flux_wanted_ = std::min(idle, field);
+  const double rotor_s =
+      s.torque_current_a_rms / std::max(1e-6, s.no_load_current_a_rms * 2 * std::numbers::pi * s.rated_slip_hz);
   flux_.step(dt_s, rotor_s, flux_wanted);
 
   const double actual = s.rated_torque_nm > 0 ? in.torque_nm / s.rated_torque_nm : torque;

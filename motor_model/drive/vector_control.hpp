@@ -25,8 +25,8 @@ class VectorControl {
     Motion motion = Motion::kConstant;
   };
   struct Output {
-    double frequency_hz = 0;  // of the stator, signed
-    double voltage_v_rms = 0;  // line to line
+    double frequency_hz = 0;    // of the stator, signed
+    double voltage_v_rms = 0;   // line to line
     double torque_percent = 0;  // commanded, signed
     bool torque_limited = false;
     bool speed_limited = false;  // torque control
@@ -43,16 +43,17 @@ class VectorControl {
   FirstOrderLag set_speed_;
   FirstOrderLag torque_;
   FirstOrderLag ahead_;
-  FirstOrderLag flux_;      // part of the rated one
-  double integral_ = 0;     // of the speed controller, parts of rated torque
-  double most_speed_ = 0;   // ... of the speed limits of torque control
+  FirstOrderLag flux_;  // part of the rated one
+  double flux_wanted_ = 1;
+  double integral_ = 0;    // of the speed controller, parts of rated torque
+  double most_speed_ = 0;  // ... of the speed limits of torque control
   double least_speed_ = 0;
   double trim_ = 0;  // torque that the constants miss
   double last_reference_hz_ = 0;
   bool began_ = false;
   OnDelay stalled_;
-  VINV_ARCHIVE(VectorControl, set_speed_, torque_, ahead_, flux_, integral_, most_speed_, least_speed_, trim_,
-               last_reference_hz_, began_, stalled_);
+  VINV_ARCHIVE(VectorControl, set_speed_, torque_, ahead_, flux_, flux_wanted_, integral_, most_speed_, least_speed_,
+               trim_, last_reference_hz_, began_, stalled_);
 };
 
 }  // namespace vinv::drive

@@ -28,7 +28,8 @@ struct EepromRecord {
   static constexpr std::size_t kMostCounters = 32;
   std::array<std::int64_t, kMostCounters> counters{};  // what the family counts besides, by its own names
   friend bool operator==(const EepromRecord&, const EepromRecord&) = default;
-  VINV_ARCHIVE(EepromRecord, panel_frequency, remote_frequency, operating_seconds, retry_count, groups, alarms, counters);
+  VINV_ARCHIVE(EepromRecord, panel_frequency, remote_frequency, operating_seconds, retry_count, groups, alarms,
+               counters);
 };
 
 struct EepromContents {

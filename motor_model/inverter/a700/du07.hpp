@@ -10,7 +10,7 @@ namespace vinv::inverter::a700 {
 enum class Lamp : std::uint8_t { kOff, kOn, kFlicker };
 
 struct Du07 {
-  std::string digits;  // five characters at most, the point counts: "60.00", "E.  3", "PS"
+  std::string digits;   // five characters at most, the point counts: "60.00", "E.  3", "PS"
   std::string warning;  // flashes beside the digits: OL, SL, RB, TH, MT, FN, PS; empty without one
   bool hertz = false;
   bool ampere = false;

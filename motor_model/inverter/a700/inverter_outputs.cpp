@@ -40,8 +40,8 @@ std::uint16_t A700Inverter::terminal_bits() const {
 }
 
 bool A700Inverter::output_on(std::size_t terminal, OutputSignal signal) const {
-  // Pr.76: terminals SU, IPF, OL and FU are bits 3 to 0 of the alarm's code; 2 while there is an alarm only. The logic of
-  // their functions does not turn them.
+  // Pr.76: terminals SU, IPF, OL and FU are bits 3 to 0 of the alarm's code; 2 while there is an alarm only. The logic
+  // of their functions does not turn them.
   const int coded = store_.integer(pr::kAlarmCode);
   if (terminal >= 1 && terminal <= 4 && (coded == 1 || (coded == 2 && v_.published.status.alarm))) {
     const auto function = data_.signals.output(store_.integer(personality_.outputs[terminal].function));
@@ -108,9 +108,10 @@ double A700Inverter::monitor_value(unsigned code) const {
       if (record_.counters[kEnergyLimit] == 10) return std::min(shifted, 9999.0);
       return store_.is_9999(pr::kMonitorShift) ? std::fmod(shifted, 65536) : std::min(shifted, 65535.0);
     }
-    case 32: return out.gates_on && settings_.vector.on ? std::abs(out.torque_command_percent)
-                    : vector_control() && m.gates_on  ? std::abs(torque_percent)
-                                                      : 0;
+    case 32:
+      return out.gates_on && settings_.vector.on ? std::abs(out.torque_command_percent)
+             : vector_control() && m.gates_on    ? std::abs(torque_percent)
+                                                 : 0;
     case 33: return vector_control() && m.gates_on ? active / rated_active * 100 : 0;
     case 34: return vector_control() && m.gates_on ? std::max(0.0, m.shaft_power_w) / 1000 : 0;
     case 50: return saving_value();
@@ -218,9 +219,9 @@ void A700Inverter::publish_family(OutputSignals& o) {
   o.set(OutputSignal::kLf, causes_.fan || v_.network.communication_lost);
   o.set(OutputSignal::kEr, p.status.overload || out.motor_thermal_fraction >= kPreAlarm || maintenance || causes_.fan);
 
-  const double am_v = std::clamp(meter_share(static_cast<unsigned>(store_.integer(pr::kAmSelection))) * kMeterFullScale_v *
-                          store_.value(pr::kAmCalibration) / 100,
-                      0.0, kMeterFullScale_v);
+  const double am_v = std::clamp(meter_share(static_cast<unsigned>(store_.integer(pr::kAmSelection))) *
+                                     kMeterFullScale_v * store_.value(pr::kAmCalibration) / 100,
+                                 0.0, kMeterFullScale_v);
   p.am_v = s_.am.step(am_v, kPeriod_s, store_.value(pr::kAmFilter));
 }
 

@@ -41,7 +41,8 @@ double A700Inverter::torque_command_percent() const {
     case 0:
       if (store_.integer(pr::kTerminal1Function) != kTorque) return 0;
       return std::copysign(
-          torque_line(store_, pr::kTerminal1TorqueBias, pr::kTerminal1TorqueGain, std::abs(s_.percent_1)), s_.percent_1);
+          torque_line(store_, pr::kTerminal1TorqueBias, pr::kTerminal1TorqueGain, std::abs(s_.percent_1)),
+          s_.percent_1);
     case 1: return store_.value(pr::kTorqueCommandRam) - 1000;
     default: return 0;
   }

@@ -12,8 +12,8 @@ namespace {
 using mitsubishi::or_else;
 
 constexpr MotorNumbers kFirst{71, 800, 80, 81, 82, 83, 84, 90, 91, 92, 93, 94, 96, 859, 89, 9, 820, 821, 822, 826};
-constexpr MotorNumbers kSecond{450, 451, 453, 454, 455, 456, 457, 458, 459, 460, 461, 462, 463, 860, 569, 51, 830, 831,
-                               832, 836};
+constexpr MotorNumbers kSecond{450, 451, 453, 454, 455, 456, 457, 458, 459, 460,
+                               461, 462, 463, 860, 569, 51,  830, 831, 832, 836};
 
 constexpr double kTypicalLeakage = 0.2;         // of the rated impedance, stator and rotor together
 constexpr double kResponseAt100_rad_s = 200.0;  // Pr.820 = 100 % of the real speed controller
@@ -43,7 +43,8 @@ struct Motor {
 Motor motor_of(const ParameterStore& p, const MotorNumbers& n, const ModelRow& standard, double voltage_v_rms,
                double power_w) {
   Motor m;
-  m.rated_current_a = !p.is_9999(n.thermal) && p.value(n.thermal) > 0 ? p.value(n.thermal) : standard.standard_motor_rated_a_rms;
+  m.rated_current_a =
+      !p.is_9999(n.thermal) && p.value(n.thermal) > 0 ? p.value(n.thermal) : standard.standard_motor_rated_a_rms;
   m.r1_ohm = or_else(p, n.r1, standard.standard_motor_r1_ohm);
   const double phase_v = voltage_v_rms / std::numbers::sqrt3;
   // Pr.94: the magnetising reactance says the current without load where Pr.82 does not.
@@ -121,8 +122,8 @@ void set_motor(drive::DriveSettings& s, const ParameterStore& p, const MotorSele
   s.motor_slip_hz = s.base_frequency_hz * v.slip_share;
   s.motor_no_load_current_a_rms = v.no_load_a;
   // Pr.89 and Pr.569: how much of the slip is compensated.
-  s.rated_slip_hz = s.base_frequency_hz * or_else(p, pr::kRatedSlip, v.slip_share * 100) / 100 *
-                    or_else(p, n.speed_gain, 100) / 100;
+  s.rated_slip_hz =
+      s.base_frequency_hz * or_else(p, pr::kRatedSlip, v.slip_share * 100) / 100 * or_else(p, n.speed_gain, 100) / 100;
   if (method == ControlMethod::kFluxVector) return;
 
   drive::VectorSettings& c = s.vector;

@@ -23,7 +23,9 @@ int inrush_circuit_percent(std::int64_t operations) {
   return percent(100 - static_cast<double>(operations / kOperationsPerPercent));
 }
 
-int control_capacitor_percent(double aged_s) { return percent(100 - (100 - kPartAlarm_percent) * aged_s / kCapacitorLife_s); }
+int control_capacitor_percent(double aged_s) {
+  return percent(100 - (100 - kPartAlarm_percent) * aged_s / kCapacitorLife_s);
+}
 
 int main_capacitor_percent(double aged_s) {
   return percent(100 - (100 - kMainCapacitorAlarm_percent) * aged_s / kCapacitorLife_s);
@@ -60,9 +62,9 @@ void A700Inverter::measure_main_capacitor(EepromRecord& record) const {
     return;
   }
   state = static_cast<std::int64_t>(CapacitorMeasuring::kDone);
-  record.counters[kMainCapacitorPercent] = causes_.main_capacitor
-                                               ? kWornMainCapacitor_percent
-                                               : main_capacitor_percent(static_cast<double>(record.counters[kCapacitorAgeing]));
+  record.counters[kMainCapacitorPercent] =
+      causes_.main_capacitor ? kWornMainCapacitor_percent
+                             : main_capacitor_percent(static_cast<double>(record.counters[kCapacitorAgeing]));
 }
 
 }  // namespace vinv::inverter::a700

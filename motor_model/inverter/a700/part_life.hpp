@@ -10,12 +10,12 @@ namespace vinv::inverter::a700 {
 double ageing_rate(double ambient_c);
 
 // What is left, percent. Each has its alarm at its own level.
-int inrush_circuit_percent(std::int64_t operations);       // Pr.256: 1 000 000 operations; alarm at 10
-int control_capacitor_percent(double aged_s);              // Pr.257: alarm at 10
-int main_capacitor_percent(double aged_s);                 // Pr.258, once measured: capacitance; alarm at 85
+int inrush_circuit_percent(std::int64_t operations);  // Pr.256: 1 000 000 operations; alarm at 10
+int control_capacitor_percent(double aged_s);         // Pr.257: alarm at 10
+int main_capacitor_percent(double aged_s);            // Pr.258, once measured: capacitance; alarm at 85
 inline constexpr int kPartAlarm_percent = 10;
 inline constexpr int kMainCapacitorAlarm_percent = 85;
-inline constexpr int kWornPart_percent = 5;                // of a part that a fault has worn
+inline constexpr int kWornPart_percent = 5;  // of a part that a fault has worn
 inline constexpr int kWornMainCapacitor_percent = 80;
 
 // Pr.259.

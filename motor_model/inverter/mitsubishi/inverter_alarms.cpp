@@ -70,7 +70,8 @@ std::string MitsubishiInverter::trip_cause(const AlarmRow& row, const drive::Tri
     case TripKind::kStallPrevention:
       if (s.vector.on) {
         return format("torque %.0f %% (level %.0f %%) for too long below %.2f Hz, %.4g Nm of load%s ", trip.value,
-                      trip.level, s.vector.stall_hz, m.load_torque_nm, plant_.shaft_locked() ? ", shaft locked, " : ",") +
+                      trip.level, s.vector.stall_hz, m.load_torque_nm,
+                      plant_.shaft_locked() ? ", shaft locked, " : ",") +
                when;
       }
       return format("stall prevention at %.0f %% with %.2f A and %.4g Nm of load%s ", s.stall_level_percent,

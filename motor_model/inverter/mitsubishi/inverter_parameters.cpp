@@ -138,7 +138,8 @@ Outcome MitsubishiInverter::write_from_panel(std::size_t row, double value) {
       default: return Unexpected(r.label + " cannot be written while the inverter runs");
     }
   }
-  if (locked(Writer::kPanel, r.id.number, true)) return Unexpected(r.label + " is locked by a password (Pr.296, Pr.297)");
+  if (locked(Writer::kPanel, r.id.number, true))
+    return Unexpected(r.label + " is locked by a password (Pr.296, Pr.297)");
   const auto raw = store_.from_physical(row, value);
   if (!raw) return Unexpected(raw.error());
   if (auto why = not_fitted(r.id.number, *raw)) return Unexpected(*std::move(why));
@@ -181,7 +182,8 @@ Result<double, std::string> MitsubishiInverter::get_parameter(std::string_view n
   if (!row) return Unexpected("there is no parameter " + std::string(name) + " (write Pr.7, or Pr.902.1)");
   const ParameterRow& r = data_.parameters.rows()[*row];
   if (!in_user_group(r.id.number)) return Unexpected(not_in_group(r));
-  if (locked(Writer::kPanel, r.id.number, false)) return Unexpected(r.label + " is locked by a password (Pr.296, Pr.297)");
+  if (locked(Writer::kPanel, r.id.number, false))
+    return Unexpected(r.label + " is locked by a password (Pr.296, Pr.297)");
   return store_.physical(*row, shown_raw(*row));
 }
 

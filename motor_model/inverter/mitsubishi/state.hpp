@@ -42,9 +42,9 @@ struct Causes {
   bool option = false;            // the option board dropped out of its connector
   bool external_thermal = false;  // the thermal relay has opened
   bool pu_disconnected = false;
-  bool thermistor = false;        // the motor's thermistor is hot
-  bool fan = false;               // the fan does not turn
-  bool inrush_circuit = false;    // worn parts, where the family tells their life
+  bool thermistor = false;      // the motor's thermistor is hot
+  bool fan = false;             // the fan does not turn
+  bool inrush_circuit = false;  // worn parts, where the family tells their life
   bool control_capacitor = false;
   bool main_capacitor = false;
   bool current_sensor = false;    // reads nothing
@@ -52,7 +52,8 @@ struct Causes {
   bool heat_sink_sensor = false;  // an open thermistor: as hot as it can read
   bool eeprom_damaged = false;    // contents refused at the start; until the next power cycle
   VINV_ARCHIVE(Causes, earth_fault, output_phase_open, brake_transistor, eeprom_write, option, external_thermal,
-               pu_disconnected, thermistor, fan, inrush_circuit, control_capacitor, main_capacitor, current_sensor, dc_link_sensor, heat_sink_sensor, eeprom_damaged);
+               pu_disconnected, thermistor, fan, inrush_circuit, control_capacitor, main_capacitor, current_sensor,
+               dc_link_sensor, heat_sink_sensor, eeprom_damaged);
 };
 
 enum class Screen : std::uint8_t { kMonitor, kFrequency, kJog };
@@ -127,7 +128,8 @@ struct Volatile {
   Published published;
   VINV_ARCHIVE(Volatile, mode, ready_at, in_reset, mrs_inverted, panel, network, start_latch, input_2, input_4,
                current_monitor, pid, pid_active, remote, panel_frequency_hz, direction, tuned_until_stop, tuning,
-               tuning_status, tuned_setting, retry, alarm, mailbox, any_start_signal, storage_failures, operating_s, published);
+               tuning_status, tuned_setting, retry, alarm, mailbox, any_start_signal, storage_failures, operating_s,
+               published);
 };
 
 }  // namespace vinv::inverter::mitsubishi

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/rig/live_plant.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace vinv::rig {
 
@@ -58,12 +59,9 @@ inline std::string ask_control(const std::string& path, const std::string& reque
 class LivePlantTest : public testing::Test {
  protected:
   LivePlantTest() {
-    std::string pattern = (fs::temp_directory_path() / "vinv-live-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
     options_.state_folder = folder_ + "/state";
     options_.runtime_folder = folder_ + "/run";
   }
-  ~LivePlantTest() override { fs::remove_all(folder_); }
 
   // Runs a plant until it is ready, then the client on its own thread, then stops.
   void serve(const std::string& text, const std::function<void(LivePlant&, const Json& ready)>& client) {
@@ -83,7 +81,8 @@ class LivePlantTest : public testing::Test {
     EXPECT_EQ(live.store_eeproms(), "");
   }
 
-  std::string folder_;
+  const TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
   LiveOptions options_;
   std::vector<std::string> notices_;
 };
