@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/base/archive.hpp"
 
@@ -30,11 +33,27 @@ struct LineSetting {
   VINV_ARCHIVE(LineSetting, automatic, full_duplex, mbit_per_s);
 };
 
+// "auto", "10_half", "10_full", "100_half", "100_full".
+std::string_view line_setting_word(const LineSetting& line);
+std::optional<LineSetting> parse_line_setting(std::string_view word);
+std::vector<std::string_view> line_setting_words();
+
+// What the option keeps in its own memory over power-off.
+struct Flash {
+  bool dhcp = true;
+  IpConfiguration ip;
+  std::string host_name;
+  LineSetting line;
+  friend bool operator==(const Flash&, const Flash&) = default;
+  VINV_ARCHIVE(Flash, dhcp, ip, host_name, line);
+};
+
 // Of the surroundings, whatever the board itself is set to.
 struct EthernetSurroundings {
   std::array<std::uint8_t, 6> mac{};
   IpConfiguration lease;     // what a DHCP server gives
   LineSetting line_partner;  // the other end of the cable
+  Flash flash;               // as the option comes
 };
 
 }  // namespace vinv::boards

@@ -78,8 +78,8 @@ class EthernetChannel {
   virtual bool has_link() const = 0;
   virtual void plug(Instant now, bool plugged) = 0;
   virtual bool plugged() const = 0;
-  // For its lamps: something has gone in or out, and so many connections are open now.
-  virtual void handle_activity(Instant now, std::size_t connections) = 0;
+  // For its lamps: something has gone in or out.
+  virtual void handle_activity(Instant now) = 0;
 };
 
 // "NS", "green flashing".
@@ -110,6 +110,15 @@ class OptionBoard {
   virtual std::string_view status_led() const { return {}; }
   // All of them, on a board that has several.
   virtual std::vector<Led> leds() const { return {}; }
+
+  // The board's own memory over power-off, beside the inverter's EEPROM: the text of its file; empty: it has none. The
+  // owner stores it after each change, and hands it back before the first power-on.
+  virtual std::string flash_text() const { return {}; }
+  virtual bool take_flash_changed() { return false; }  // true once after each change
+  // Refuses a damaged text with line and reason; the board then has what it came with.
+  virtual Result<void, std::string> load_flash(std::string_view /*text*/) {
+    return Unexpected(std::string("the board has no memory of its own"));
+  }
 
   // All that the board knows, as a part of a plant's snapshot (docs/decisions/0005-snapshots.md). Loading calls nobody:
   // whoever listens at the channels finds them as they were.

@@ -398,7 +398,20 @@ Json led(const Context& c) {
   if (!c.drive.board) refused("the drive has no option board.");
   const std::string_view shown_now = c.drive.board->status_led();
   if (shown_now.empty()) refused("board " + std::string(c.drive.board->type()) + " has no status LED.");
-  return shown_now;
+  const auto all = c.drive.board->leds();
+  if (all.empty()) return shown_now;
+  Json out = Json::object();
+  for (const boards::Led& l : all) out[std::string(l.name)] = l.state;
+  return out;
+}
+
+Json link(const Context& c) {
+  if (c.drive.station == nullptr) refused("the drive has no option board on Ethernet.");
+  if (!c.value.is_null()) {
+    const std::string word = word_of(c.value, {"up", "down"}, "link");
+    c.plant.plug_ethernet(c.drive, word == "up");
+  }
+  return c.drive.station->has_link() ? "up" : "down";
 }
 
 Json list(Plant& plant) {
@@ -528,11 +541,15 @@ const std::vector<Row>& rows() {
        {},
        true},
       {{"led", true, "", "the option board's status LED", "conveyor_1 led"}, led, {}, false},
+      {{"link", true, "up | down", "plug or pull the Ethernet cable of the option board", "mixer_1 link down"},
+       link,
+       {},
+       false},
       {{"wire", true,
         "drop, duplicate, corrupt, error_frame, bus_off, silence, duplicate_node: <p> % | on; delay, reorder, split: "
         "<t> ms; "
         "truncate: <n>; share: <p> %; nth, every, times: <n>; for: <t> s; id: <hex>; of: own | master | all; "
-        "port: can | serial | tcp; error_frame | bus_off | unplugged | plugged | half_open | none",
+        "port: can | serial | tcp | udp; error_frame | bus_off | unplugged | plugged | half_open | none",
         "faults on the wires of the drive; they last until none", "conveyor_1 wire drop 10 % id 185"},
        wire,
        wire_words(),

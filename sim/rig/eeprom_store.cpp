@@ -87,8 +87,8 @@ EepromStore::~EepromStore() {
   ::close(lock_);
 }
 
-std::optional<std::string> EepromStore::load(const std::string& drive) const {
-  const std::string file = path(drive);
+std::optional<std::string> EepromStore::load(const std::string& drive, Memory memory) const {
+  const std::string file = path(drive, memory);
   const Descriptor in{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
   if (in.fd < 0) {
     if (errno == ENOENT) return {};
@@ -106,8 +106,8 @@ std::optional<std::string> EepromStore::load(const std::string& drive) const {
   return text;
 }
 
-std::string EepromStore::keep_aside(const std::string& drive) const {
-  const std::string file = path(drive);
+std::string EepromStore::keep_aside(const std::string& drive, Memory memory) const {
+  const std::string file = path(drive, memory);
   for (int n = 1;; ++n) {
     const std::string aside = file + ".damaged-" + std::to_string(n);
     // link, unlike rename, never replaces a file that is there already.
@@ -120,10 +120,10 @@ std::string EepromStore::keep_aside(const std::string& drive) const {
   }
 }
 
-void EepromStore::store(const std::string& drive, std::string text) {
+void EepromStore::store(const std::string& drive, std::string text, Memory memory) {
   {
     const std::lock_guard guard(mutex_);
-    queued_[drive] = std::move(text);
+    queued_[file_name(drive, memory)] = std::move(text);
     queue_failed();
   }
   changed_.notify_all();
@@ -157,19 +157,19 @@ void EepromStore::write_queued() {
   for (;;) {
     changed_.wait(lock, [this] { return stopping_ || !queued_.empty(); });
     if (queued_.empty()) return;
-    auto [drive, text] = std::pair(queued_.begin()->first, std::move(queued_.begin()->second));
+    auto [file, text] = std::pair(queued_.begin()->first, std::move(queued_.begin()->second));
     queued_.erase(queued_.begin());
     writing_ = true;
     lock.unlock();
     std::string failure;
     try {
-      write_whole_file(path(drive), text);
+      write_whole_file(folder_ + "/" + file, text);
     } catch (const std::runtime_error& e) {
       failure = e.what();
     }
     lock.lock();
     writing_ = false;
-    if (!failure.empty()) failed_[drive] = std::move(text);
+    if (!failure.empty()) failed_[file] = std::move(text);
     if (failure_.empty()) failure_ = failure;
     changed_.notify_all();
   }

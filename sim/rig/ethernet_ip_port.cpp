@@ -10,7 +10,11 @@ namespace vinv::rig {
 using ethernet_ip::Channel;
 
 EthernetIpPort::EthernetIpPort(kernel::Scheduler& scheduler, ethernet_ip::Adapter& adapter, OnTraffic on_traffic)
-    : scheduler_(scheduler), adapter_(adapter), on_traffic_(std::move(on_traffic)), tcp_tap_(scheduler) {}
+    : scheduler_(scheduler),
+      adapter_(adapter),
+      on_traffic_(std::move(on_traffic)),
+      tcp_tap_(scheduler),
+      udp_tap_(scheduler) {}
 
 EthernetIpPort::~EthernetIpPort() {
   if (event_ != 0) scheduler_.cancel(event_);
@@ -19,8 +23,8 @@ EthernetIpPort::~EthernetIpPort() {
 
 void EthernetIpPort::connect(std::unique_ptr<transports::UdpPort> udp, std::unique_ptr<transports::UdpPort> io,
                              Carrier carrier) {
-  udp_ = std::move(udp);
-  io_ = std::move(io);
+  udp_ = udp_tap_.wrap(std::move(udp));
+  io_ = udp_tap_.wrap(std::move(io));
   carrier_ = carrier;
   udp_->set_handler([this](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
     if (!link_) return;
@@ -140,8 +144,8 @@ void EthernetIpPort::handle_new_data(Instant now) {
 
 void EthernetIpPort::settle(Instant now) {
   activity_ = true;
+  if (on_traffic_) return on_traffic_(now);
   poll(now);
-  if (on_traffic_) on_traffic_(now);
 }
 
 void EthernetIpPort::poll(Instant now) {
@@ -208,9 +212,9 @@ bool EthernetIpPort::is_outside() const {
 void EthernetIpPort::drop() { connections_.clear(); }
 
 void EthernetIpPort::archive(Archive& a, transports::MemoryStreams& streams) {
-  // The UDP ports have no state; a connection that is closed waits only for being forgotten.
-  VINV_MEMBERS(*this, scheduler, adapter, on_traffic, udp, io, carrier, connections, tcp_tap, link, activity, event,
-               sweep, armed_for);
+  // A connection that is closed waits only for being forgotten.
+  VINV_MEMBERS(*this, scheduler, adapter, on_traffic, udp, io, carrier, connections, tcp_tap, udp_tap, link, activity,
+               event, sweep, armed_for);
   a.io(adapter);
   VINV_FIELDS(a, EthernetIpPort, link, activity, armed_for);
   std::vector<Connection*> held;
@@ -228,7 +232,14 @@ void EthernetIpPort::archive(Archive& a, transports::MemoryStreams& streams) {
     stream = tcp_tap.wrap(std::move(stream));
     listen(*held[i]);
   }
-  if (!a.failed()) a.io(tcp_tap);
+  if (a.failed()) return;
+  a.io(tcp_tap);
+  a.io(udp_tap);
+  a.must_match("UDP ports of an adapter", std::uint64_t{udp != nullptr});
+  if (udp != nullptr && !a.failed()) {
+    a.io(*udp);
+    a.io(*io);
+  }
   scheduler.archive_event(a, event, [this](Instant now) { on_deadline(now); });
 }
 

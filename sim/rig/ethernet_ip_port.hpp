@@ -26,7 +26,7 @@ class EthernetIpPort {
   // More are closed at once: which one has to go is the adapter's decision, up to its own limit.
   static constexpr std::size_t kMaxConnections = ethernet_ip::EncapsulationLimits{}.tcp_connections + 16;
 
-  // Something has gone in: the owner settles the device.
+  // Something has gone in: the owner settles the device, and then calls handle_new_data() or poll().
   using OnTraffic = std::function<void(Instant now)>;
 
   // Scheduler and adapter outlive the port. Without UDP ports until connect().
@@ -57,9 +57,13 @@ class EthernetIpPort {
   std::size_t connections() const { return connections_.size(); }
   const ethernet_ip::Adapter& adapter() const { return adapter_; }
   bool has_link() const { return link_; }
-  // Where faults of its TCP connections go.
+  // Where faults of its TCP connections and of its datagrams go.
   WireTap& tcp_tap() { return tcp_tap_; }
-  const WireTap& tcp_tap() const { return tcp_tap_; }
+  WireTap& udp_tap() { return udp_tap_; }
+  void reseed(std::uint64_t seed) {
+    tcp_tap_.reseed(seed);
+    udp_tap_.reseed(seed);
+  }
 
   // Clients or sockets outside the plant; a snapshot leaves them out.
   bool is_outside() const;
@@ -94,11 +98,12 @@ class EthernetIpPort {
   kernel::Scheduler& scheduler_;
   ethernet_ip::Adapter& adapter_;
   OnTraffic on_traffic_;
-  std::unique_ptr<transports::UdpPort> udp_;
-  std::unique_ptr<transports::UdpPort> io_;
+  std::unique_ptr<transports::FaultyUdp> udp_;
+  std::unique_ptr<transports::FaultyUdp> io_;
   Carrier carrier_ = Carrier::kInside;
   std::vector<std::unique_ptr<Connection>> connections_;
   WireTap tcp_tap_;
+  WireTap udp_tap_;
   bool link_ = true;
   bool activity_ = false;
   kernel::EventId event_ = 0;

@@ -1,6 +1,5 @@
 #include "sim/rig/ethernet_reader.hpp"
 
-#include <array>
 #include <map>
 #include <set>
 
@@ -11,15 +10,7 @@ namespace vinv::rig {
 namespace {
 
 constexpr std::uint32_t kFirstAddress = ipv4(127, 0, 0, 2);
-constexpr std::size_t kMostDomainCharacters = 48;  // FR-A7NE manual, 7.8.2
-
-struct PartnerWord {
-  std::string_view word;
-  boards::LineSetting setting;
-};
-constexpr std::array kPartners{PartnerWord{"auto", {true, false, 10}}, PartnerWord{"10_half", {false, false, 10}},
-                               PartnerWord{"10_full", {false, true, 10}}, PartnerWord{"100_half", {false, false, 100}},
-                               PartnerWord{"100_full", {false, true, 100}}};
+constexpr std::size_t kMostNameCharacters = 48;  // FR-A7NE manual, 7.8.2
 
 bool is_host(std::uint32_t address) {
   const std::uint32_t first = address >> 24;
@@ -42,34 +33,55 @@ std::uint32_t read_address(const YamlMap& map, std::string_view key, Problems& p
   return 0;
 }
 
-void read_lease(const YAML::Node& node, const DriveSpec& drive, boards::IpConfiguration& lease, Problems& problems) {
-  const YamlMap map(node, "lease of " + drive.name, &plant_file_keys().at("drives[].board.lease"), problems);
-  if (!map) return;
-  lease.address = read_address(map, "address", problems);
-  lease.gateway = read_address(map, "gateway", problems);
-  lease.name_server = read_address(map, "name_server", problems);
-  lease.name_server_2 = read_address(map, "name_server_2", problems);
+std::string read_name(const YamlMap& map, std::string_view key, Problems& problems) {
+  const auto name = map.text(key);
+  if (!name || name->size() <= kMostNameCharacters) return name.value_or("");
+  problems.add(*map.find(key), std::string(key) + " in " + map.where() + " has " + std::to_string(name->size()) +
+                                   " characters; allowed: at most " + std::to_string(kMostNameCharacters) + ".");
+  return {};
+}
+
+std::optional<boards::LineSetting> read_line(const YamlMap& map, std::string_view key) {
+  const auto word = map.word(key, boards::line_setting_words());
+  return word ? boards::parse_line_setting(*word) : std::nullopt;
+}
+
+void read_ip(const YamlMap& map, boards::IpConfiguration& ip, Problems& problems) {
+  ip.address = read_address(map, "address", problems);
+  ip.gateway = read_address(map, "gateway", problems);
+  ip.name_server = read_address(map, "name_server", problems);
+  ip.name_server_2 = read_address(map, "name_server_2", problems);
+  ip.domain = read_name(map, "domain", problems);
   if (const auto text = map.text("mask")) {
     const auto mask = parse_ipv4(*text);
     if (mask && *mask != 0 && (~*mask & (~*mask + 1)) == 0)
-      lease.mask = *mask;
+      ip.mask = *mask;
     else
-      problems.add(*map.find("mask"), "mask in lease of " + drive.name + " is \"" + *text +
+      problems.add(*map.find("mask"), "mask in " + map.where() + " is \"" + *text +
                                           "\"; allowed: a network mask without gaps, as 255.255.255.0.");
   }
-  if (const auto domain = map.text("domain")) {
-    if (domain->size() <= kMostDomainCharacters)
-      lease.domain = *domain;
-    else
-      problems.add(*map.find("domain"), "domain in lease of " + drive.name + " has " + std::to_string(domain->size()) +
-                                            " characters; allowed: at most 48.");
-  }
+  if (ip.mask == 0 && ip.address != 0) ip.mask = mask_of(ip.address);
+}
+
+void read_lease(const YAML::Node& node, const DriveSpec& drive, boards::IpConfiguration& lease, Problems& problems) {
+  const YamlMap map(node, "lease of " + drive.name, &plant_file_keys().at("drives[].board.lease"), problems);
+  if (map) read_ip(map, lease, problems);
+}
+
+// With an address it is that one, not DHCP, unless the file says so.
+void read_flash(const YAML::Node& node, const DriveSpec& drive, boards::Flash& flash, Problems& problems) {
+  const YamlMap map(node, "flash of " + drive.name, &plant_file_keys().at("drives[].board.flash"), problems);
+  if (!map) return;
+  read_ip(map, flash.ip, problems);
+  flash.dhcp = map.on_off("dhcp").value_or(!map.has("address"));
+  flash.host_name = read_name(map, "host_name", problems);
+  if (const auto line = read_line(map, "line")) flash.line = *line;
 }
 
 }  // namespace
 
 const std::vector<std::string_view>& ethernet_keys() {
-  static const std::vector<std::string_view> all{"address", "bind", "lease", "link_partner", "timing"};
+  static const std::vector<std::string_view> all{"address", "bind", "lease", "link_partner", "flash", "timing"};
   return all;
 }
 
@@ -85,11 +97,8 @@ EthernetSpec read_ethernet(const YamlMap* map, const DriveSpec& drive, Problems&
   if (const auto bind = map->word("bind", {"own", "any"})) spec.any_address = *bind == "any";
   if (const auto timing = map->word("timing", {"real", "fast"})) spec.fast = *timing == "fast";
   if (const YAML::Node* node = map->find("lease")) read_lease(*node, drive, spec.surroundings.lease, problems);
-  std::vector<std::string_view> words;
-  for (const PartnerWord& p : kPartners) words.push_back(p.word);
-  if (const auto word = map->word("link_partner", words))
-    for (const PartnerWord& p : kPartners)
-      if (p.word == *word) spec.surroundings.line_partner = p.setting;
+  if (const auto line = read_line(*map, "link_partner")) spec.surroundings.line_partner = *line;
+  if (const YAML::Node* node = map->find("flash")) read_flash(*node, drive, spec.surroundings.flash, problems);
   return spec;
 }
 

@@ -96,9 +96,19 @@ LivePlant::LivePlant(transports::EventLoop& loop, PlantFile file, const Catalogu
     notice_(drive + ": the stored EEPROM is damaged: " + sentence(reason) + " It is kept as " +
             store_->keep_aside(drive) + "; the drive starts with factory values and its storage alarm.");
   };
+  if (!options.fresh)
+    plant_options.stored_flash = [this](const std::string& drive) { return store_->load(drive, Memory::kFlash); };
+  plant_options.damaged_flash = [this](const std::string& drive, const std::string& reason) {
+    notice_(drive + ": the stored memory of the option board is damaged: " + sentence(reason) + " It is kept as " +
+            store_->keep_aside(drive, Memory::kFlash) + "; the board starts as it came.");
+  };
   plant_ = std::make_unique<Plant>(std::move(file), loop_.scheduler(), std::move(plant_options));
   if (options.fresh)
-    for (const auto& d : plant_->drives()) store_->store(d->spec.name, d->inverter->eeprom_text());
+    for (const auto& d : plant_->drives()) {
+      store_->store(d->spec.name, d->inverter->eeprom_text());
+      if (d->board && !d->board->flash_text().empty())
+        store_->store(d->spec.name, d->board->flash_text(), Memory::kFlash);
+    }
 
   make_private_folder(runtime);
   control_ = std::make_unique<ControlServer>(*plant_);
@@ -217,9 +227,15 @@ void LivePlant::schedule_housekeeping() {
                                        kernel::Priority::kObserver, [this](Instant) { keep_house(); });
 }
 
-void LivePlant::keep_house() {
+void LivePlant::collect_memories() {
   plant_->collect_eeproms(
       [this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
+  plant_->collect_flashes(
+      [this](const std::string& drive, std::string text) { store_->store(drive, std::move(text), Memory::kFlash); });
+}
+
+void LivePlant::keep_house() {
+  collect_memories();
   if (const std::string failure = store_->take_failure(); !failure.empty()) notice_(failure);
   if (recording_failed_) return;
   const std::string failure = can_->recording_failure();
@@ -240,8 +256,7 @@ void LivePlant::when_ready(std::function<void()> ready) {
 }
 
 std::string LivePlant::store_eeproms() {
-  plant_->collect_eeproms(
-      [this](const std::string& drive, std::string text) { store_->store(drive, std::move(text)); });
+  collect_memories();
   return store_->flush();
 }
 

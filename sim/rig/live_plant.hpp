@@ -46,7 +46,7 @@ class LivePlant {
   Json ready_json() const;
   // Drives and endpoints for a person, with a line for each by which a foreign client reaches it.
   std::string table() const;
-  // Writes all EEPROMs that have changed. A failure as a sentence, or nothing.
+  // Writes all EEPROMs, and memories of option boards, that have changed. A failure as a sentence, or nothing.
   std::string store_eeproms();
 
   Plant& plant() { return *plant_; }
@@ -61,6 +61,7 @@ class LivePlant {
   void open_line(std::size_t index, const std::string& runtime_folder);
   void schedule_housekeeping();
   void keep_house();
+  void collect_memories();
 
   transports::EventLoop& loop_;
   Notice notice_;

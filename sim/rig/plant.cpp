@@ -41,7 +41,7 @@ void Plant::reseed(std::uint64_t seed) {
   for (std::size_t i = 0; i < tcp_taps_.size(); ++i) tcp_taps_[i].reseed(seed + i);
   for (std::size_t i = 0; i < buses_.size(); ++i) buses_[i]->reseed(seed + i);
   for (std::size_t i = 0; i < drives_.size(); ++i)
-    if (drives_[i]->ethernet) drives_[i]->ethernet->tcp_tap().reseed(seed + i);
+    if (drives_[i]->ethernet) drives_[i]->ethernet->reseed(seed + i);
 }
 
 // The board is fitted.
@@ -66,7 +66,7 @@ void Plant::wire(DriveUnit& d, std::uint64_t seed) {
   d.station = ethernet;
   d.adapter = std::make_unique<ethernet_ip::Adapter>(ethernet->cip_device(), options);
   d.ethernet = std::make_unique<EthernetIpPort>(scheduler_, *d.adapter, [this, &d](Instant at) { settle(at, d); });
-  d.ethernet->tcp_tap().reseed(seed);
+  d.ethernet->reseed(seed);
   auto udp = datagrams_.open({spec.ethernet->address, ethernet_ip::kEncapsulationPort});
   auto io = datagrams_.open({spec.ethernet->address, ethernet_ip::kIoPort});
   if (!udp || !io) refuse(spec.ethernet->at, d.spec.name, (udp ? io : udp).error());
@@ -152,6 +152,10 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
     auto fitted = options.catalogue.make_board(board, d->inverter->port());
     if (!fitted) refuse(spec.board->node.at, spec.name, fitted.error());
     d->board = std::move(fitted).value();
+    if (options.stored_flash && !d->board->flash_text().empty())
+      if (const auto flash = options.stored_flash(spec.name))
+        if (const auto loaded = d->board->load_flash(*flash); !loaded && options.damaged_flash)
+          options.damaged_flash(spec.name, loaded.error());
   }
   return d;
 }
@@ -208,9 +212,12 @@ WireTap* Plant::serial_tap_of(const DriveUnit& drive) {
 }
 
 WireTap* Plant::tcp_tap_of(const DriveUnit& drive) {
+  if (drive.ethernet) return &drive.ethernet->tcp_tap();
   const auto& board = drive.spec.board;
   return board && board->tcp && drive.board->modbus_unit() != nullptr ? &tcp_taps_[*board->tcp] : nullptr;
 }
+
+WireTap* Plant::udp_tap_of(const DriveUnit& drive) { return drive.ethernet ? &drive.ethernet->udp_tap() : nullptr; }
 
 CanLine* Plant::can_line_of(const DriveUnit& drive) {
   return drive.controller ? buses_[*drive.spec.board->can].get() : nullptr;
@@ -271,9 +278,7 @@ void Plant::follow_ethernet(Instant now, DriveUnit& d) {
   if (const std::uint32_t address = channel.address(); address != d.claimed_address) claim_address(now, d, address);
   d.ethernet->set_link(now, channel.has_link());
   d.ethernet->handle_new_data(now);
-  if (d.ethernet->take_activity())
-    channel.handle_activity(
-        now, d.adapter->connections().io_connections() + d.adapter->connections().explicit_connections());
+  if (d.ethernet->take_activity()) channel.handle_activity(now);
 }
 
 // Address conflict detection: who comes later has to go without.
@@ -324,7 +329,12 @@ void Plant::board_timeout(Instant now, DriveUnit& d) {
   settle(now, d);
 }
 
-void Plant::collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store) {
+void Plant::collect_flashes(const Store& store) {
+  for (const auto& d : drives_)
+    if (d->board && d->board->take_flash_changed()) store(d->spec.name, d->board->flash_text());
+}
+
+void Plant::collect_eeproms(const Store& store) {
   for (const auto& d : drives_)
     if (d->inverter->take_eeprom_changed()) store(d->spec.name, d->inverter->eeprom_text());
 }

@@ -32,6 +32,9 @@ struct PlantOptions {
   std::function<std::optional<std::string>(const std::string& drive)> stored_eeprom;
   // A stored EEPROM was refused, for this reason.
   std::function<void(const std::string& drive, const std::string& reason)> damaged_eeprom;
+  // The same for the memory of its option board.
+  std::function<std::optional<std::string>(const std::string& drive)> stored_flash;
+  std::function<void(const std::string& drive, const std::string& reason)> damaged_flash;
   // Time now. Default: the scheduler's; an event loop knows it better between two events.
   std::function<Instant()> clock;
   // Of everything random: faults on wires.
@@ -77,16 +80,20 @@ class Plant {
   CanLine* can_line_of(const DriveUnit& drive);
   // The cable of the drive's board on Ethernet. False: it has none.
   bool plug_ethernet(DriveUnit& drive, bool plugged);
-  // Where faults go on the serial line and the TCP port of the drive; nullptr if it has none.
+  // Where faults go on the serial line, the TCP port and the UDP ports of the drive; nullptr if it has none.
   WireTap* serial_tap_of(const DriveUnit& drive);
   WireTap* tcp_tap_of(const DriveUnit& drive);
+  WireTap* udp_tap_of(const DriveUnit& drive);
 
   // The drive's own breaker; its board follows.
   void set_power(DriveUnit& drive, bool on);
   // The end of a power cycle.
   void return_power(DriveUnit& drive);
   // Hands out the EEPROM of each drive that has changed since the last call.
-  void collect_eeproms(const std::function<void(const std::string& drive, std::string text)>& store);
+  using Store = std::function<void(const std::string& drive, std::string text)>;
+  void collect_eeproms(const Store& store);
+  // The same for the memories of option boards.
+  void collect_flashes(const Store& store);
   // Drives and their boards are up: nobody is in start-up. Drives without power count as up.
   bool settled() const;
   std::uint64_t ticks() const { return ticks_; }

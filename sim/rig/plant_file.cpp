@@ -417,7 +417,7 @@ class Loader {
     if (b.type.value.empty()) return;
     const boards::BoardTraits traits = catalogue_.board_traits(b.type.value);
     if (m) wrong_keys(*m, b.type.value, traits);
-    if (m && m->has("connector"))
+    if (m && traits.connectors > 0)
       if (const auto v = m->integer("connector", 1, traits.connectors)) b.connector = static_cast<int>(*v);
     if (m)
       if (const auto v = m->word("contact", {"good", "bad"})) b.bad_contact = *v == "bad";
@@ -511,9 +511,11 @@ const std::map<std::string, std::vector<std::string_view>>& plant_file_keys() {
       {"drives[].mains", {"voltage_V", "source_resistance_ohm", "frequency_Hz", "phase_deg"}},
       {"drives[].losses", {"iron_W_at_rated", "inverter_fraction", "standby_W"}},
       {"drives[].board",
-       {"type", "node", "modbus_rtu", "modbus_tcp", "network", "address", "bind", "lease", "link_partner", "timing",
-        "connector", "contact"}},
+       {"type", "node", "modbus_rtu", "modbus_tcp", "network", "address", "bind", "lease", "link_partner", "flash",
+        "timing", "connector", "contact"}},
       {"drives[].board.lease", {"address", "mask", "gateway", "name_server", "name_server_2", "domain"}},
+      {"drives[].board.flash",
+       {"dhcp", "address", "mask", "gateway", "name_server", "name_server_2", "domain", "host_name", "line"}},
   };
   return all;
 }

@@ -61,13 +61,14 @@ Result<void, std::string> Plant::load(ByteView snapshot) {
   return load_snapshot(whole, snapshot);
 }
 
-// What the plant was made as and its inverters do not compare themselves. Addresses, parameters and switches are state.
+// What the plant was made as and its inverters do not compare themselves. Nodes, parameters and switches are state.
 std::string Plant::signature() const {
   std::string out;
   for (const auto& d : drives_) {
     out += d->spec.name + " (" + d->spec.model.value;
     if (d->spec.board) out += ", " + d->spec.board->type.value;
     if (d->controller) out += " on " + file_.can[*d->spec.board->can].name;
+    if (d->ethernet) out += " at " + ipv4_text(d->spec.board->ethernet->address);
     out += ") ";
   }
   return out;

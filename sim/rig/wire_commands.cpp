@@ -19,12 +19,20 @@ using transports::Fault;
 using transports::FaultRule;
 using transports::FaultTrigger;
 
-enum Wire : unsigned { kCan = 1, kSerial = 2, kTcp = 4, kStreams = kSerial | kTcp, kAll = kCan | kStreams };
+enum Wire : unsigned {
+  kCan = 1,
+  kSerial = 2,
+  kTcp = 4,
+  kUdp = 8,
+  kStreams = kSerial | kTcp,
+  kAll = kCan | kStreams | kUdp
+};
 struct WireName {
   std::string_view word;
   Wire wire;
 };
-constexpr std::array kWires{WireName{"can", kCan}, WireName{"serial", kSerial}, WireName{"tcp", kTcp}};
+constexpr std::array kWires{WireName{"can", kCan}, WireName{"serial", kSerial}, WireName{"tcp", kTcp},
+                            WireName{"udp", kUdp}};
 
 // What the word's own value is.
 enum class Value : std::uint8_t { kShare, kTime, kCount };
@@ -46,7 +54,7 @@ constexpr std::array kFaults{
     FaultWord{"error_frame", CanFault::kErrorFrame, std::nullopt, kCan, Value::kShare},
     FaultWord{"bus_off", CanFault::kBusOff, std::nullopt, kCan, Value::kShare, false, true},
     FaultWord{"reorder", CanFault::kReorder, Fault::kReorder, kAll, Value::kTime},
-    FaultWord{"truncate", std::nullopt, Fault::kTruncate, kStreams, Value::kCount},
+    FaultWord{"truncate", std::nullopt, Fault::kTruncate, kStreams | kUdp, Value::kCount},
     FaultWord{"split", std::nullopt, Fault::kSplit, kStreams, Value::kTime},
     FaultWord{"silence", CanFault::kSilence, Fault::kDrop, kAll, Value::kShare, true, false},
     FaultWord{"duplicate_node", CanFault::kTwin, Fault::kGarble, kCan | kSerial, Value::kShare, false, true},
@@ -116,13 +124,15 @@ struct Wires {
   CanLine* can = nullptr;
   WireTap* serial = nullptr;
   WireTap* tcp = nullptr;
+  WireTap* udp = nullptr;
   unsigned present() const {
-    return (can != nullptr ? kCan : 0u) | (serial != nullptr ? kSerial : 0u) | (tcp != nullptr ? kTcp : 0u);
+    return (can != nullptr ? kCan : 0u) | (serial != nullptr ? kSerial : 0u) | (tcp != nullptr ? kTcp : 0u) |
+           (udp != nullptr ? kUdp : 0u);
   }
 };
 
 Wires wires_of(Plant& plant, DriveUnit& drive, const Json& map) {
-  Wires all{plant.can_line_of(drive), plant.serial_tap_of(drive), plant.tcp_tap_of(drive)};
+  Wires all{plant.can_line_of(drive), plant.serial_tap_of(drive), plant.tcp_tap_of(drive), plant.udp_tap_of(drive)};
   if (all.present() == 0) refused("the drive is on no wire.");
   if (!map.contains("port")) return all;
   Words names;
@@ -132,6 +142,7 @@ Wires wires_of(Plant& plant, DriveUnit& drive, const Json& map) {
   if (word == "can") one.can = all.can;
   if (word == "serial") one.serial = all.serial;
   if (word == "tcp") one.tcp = all.tcp;
+  if (word == "udp") one.udp = all.udp;
   if (one.present() == 0) refused("the drive is on no " + (word == "can" ? "CAN bus" : word + " wire") + ".");
   return one;
 }
@@ -145,7 +156,7 @@ bool act_at_once(Plant& plant, DriveUnit& drive, const Wires& wires, const Json&
   const Instant now = plant.now();
   if (word == "none") {
     if (wires.can != nullptr) wires.can->clear_faults();
-    for (WireTap* tap : {wires.serial, wires.tcp})
+    for (WireTap* tap : {wires.serial, wires.tcp, wires.udp})
       if (tap != nullptr) tap->clear_faults();
     return true;
   }
@@ -155,6 +166,7 @@ bool act_at_once(Plant& plant, DriveUnit& drive, const Wires& wires, const Json&
     return true;
   }
   if (word != "bus_off" && word != "error_frame" && word != "unplugged" && word != "plugged") return false;
+  if (word.ends_with("plugged") && plant.plug_ethernet(drive, word == "plugged")) return true;
   if (wires.can == nullptr) refused("the drive is on no CAN bus.");
   if (word == "bus_off")
     wires.can->controller(*drive.controller).force_bus_off(now);
@@ -244,6 +256,7 @@ void set_fault(Plant& plant, DriveUnit& drive, const Wires& wires, const FaultWo
   if ((usable & kCan) != 0) set_on_can(plant, drive, *wires.can, fault, order, of, map);
   if ((usable & kSerial) != 0) set_on_stream(*wires.serial, fault, order, of);
   if ((usable & kTcp) != 0) set_on_stream(*wires.tcp, fault, order, of);
+  if ((usable & kUdp) != 0) set_on_stream(*wires.udp, fault, order, of);
 }
 
 Json report(const DriveUnit& drive, const Wires& wires) {
@@ -255,6 +268,8 @@ Json report(const DriveUnit& drive, const Wires& wires) {
   }
   if (wires.serial != nullptr) out["serial_faults"] = faults_json(*wires.serial);
   if (wires.tcp != nullptr) out["tcp_faults"] = faults_json(*wires.tcp);
+  if (wires.udp != nullptr) out["udp_faults"] = faults_json(*wires.udp);
+  if (drive.station != nullptr) out["plugged"] = drive.station->plugged();
   return out;
 }
 

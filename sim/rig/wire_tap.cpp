@@ -27,6 +27,11 @@ std::unique_ptr<transports::ByteStream> WireTap::wrap(std::unique_ptr<transports
   return faulty;
 }
 
+std::unique_ptr<transports::FaultyUdp> WireTap::wrap(std::unique_ptr<transports::UdpPort> port) {
+  course();
+  return std::make_unique<transports::FaultyUdp>(scheduler_, std::move(port), course_);
+}
+
 void WireTap::set_fault(const transports::FaultRule& rule) {
   std::vector<transports::FaultRule> rules = course().plan.rules;
   const auto replaced =

@@ -1,5 +1,5 @@
-// Faults on a serial line or a TCP port: around each stream that a plant is connected to. Seen from the board's end:
-// sending is what the board does.
+// Faults on a serial line, a TCP port or the UDP ports of an adapter: around each stream or port that a plant is
+// connected to. Seen from the board's end: sending is what the board does.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/transports/fault_injector.hpp"
+#include "sim/transports/faulty_udp.hpp"
 
 namespace vinv::rig {
 
@@ -16,6 +17,7 @@ class WireTap {
   explicit WireTap(kernel::Scheduler& scheduler) : scheduler_(scheduler) {}
 
   std::unique_ptr<transports::ByteStream> wrap(std::unique_ptr<transports::ByteStream> stream);
+  std::unique_ptr<transports::FaultyUdp> wrap(std::unique_ptr<transports::UdpPort> port);
 
   // Of the chance by which faults strike; 1 until set.
   void reseed(std::uint64_t seed) {
@@ -32,7 +34,8 @@ class WireTap {
   const std::vector<transports::FaultRule>& faults() const;
 
   // Snapshots: of a tap whose streams are lines in memory, after the owners of these; a load expects them wrapped anew
-  // in the same order. Streams that are outside the plant are left out.
+  // in the same order. Streams that are outside the plant are left out. What waits in UDP ports is their owner's to
+  // archive.
   friend void archive(Archive& a, WireTap& tap) { tap.archive_state(a); }
 
  private:

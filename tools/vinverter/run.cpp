@@ -84,14 +84,14 @@ void add_run(CLI::App& app, int& exit_code) {
   sub->add_option("PLANT", options->plant_file, "Plant file (docs/plant-file.md); default: the built-in demo");
   sub->add_option("--ready-file", options->ready_file,
                   "Write endpoints as JSON to this file, once everything is listening; removed at the end");
-  sub->add_flag("--fresh", options->live.fresh, "Discard stored EEPROMs: drives start with the plant file's values");
+  sub->add_flag("--fresh", options->live.fresh, "Discard stored EEPROMs and flash memories: drives start with the plant file's values");
   sub->add_option(
       "--state-dir", options->live.state_folder,
       "Folder of the EEPROM files; default: $XDG_STATE_HOME/vinverter/PLANT or ~/.local/state/vinverter/PLANT");
   sub->add_option("--runtime-dir", options->live.runtime_folder,
                   "Folder of control socket and pseudo-terminal names; default: $XDG_RUNTIME_DIR/vinverter/PLANT or "
                   "/tmp/vinverter-UID/PLANT");
-  sub->add_option("--record-ip", options->live.record_ip, "Record all TCP traffic to this pcapng file");
+  sub->add_option("--record-ip", options->live.record_ip, "Record all TCP traffic and the UDP of EtherNet/IP to this pcapng file");
   sub->add_option("--record-can", options->live.record_can,
                   "Record CAN to this file: a candump log if it ends in .log, a capture if it ends in .pcapng; "
                   "NETWORK=FILE records one bus; may be repeated")

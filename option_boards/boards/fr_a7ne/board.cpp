@@ -18,13 +18,27 @@ void Board::plug(Instant now, bool plugged) {
   unit_.set_link(now, plugged);
 }
 
-void Board::handle_activity(Instant now, std::size_t) {
+void Board::handle_activity(Instant now) {
   state_.now = now;
   state_.traffic_until = now + kTrafficShown;
 }
 
 Result<void, std::string> Board::set_switch(std::string_view name, unsigned) {
   return Unexpected("fr-a7ne has no switch \"" + std::string(name) + "\"; it has none at all");
+}
+
+bool Board::take_flash_changed() {
+  if (unit_.flash() == stored_) return false;
+  stored_ = unit_.flash();
+  return true;
+}
+
+Result<void, std::string> Board::load_flash(std::string_view text) {
+  const auto flash = parse_flash(text);
+  if (!flash) return Unexpected(flash.error());
+  unit_.set_flash(*flash);
+  stored_ = *flash;
+  return {};
 }
 
 LedSituation Board::situation() const {
@@ -39,9 +53,9 @@ std::vector<Led> Board::leds() const {
 }
 
 void Board::archive_state(Archive& a) {
-  VINV_MEMBERS(*this, unit, state);
+  VINV_MEMBERS(*this, unit, state, stored);
   a.must_match("option board", kType);
-  VINV_FIELDS(a, Board, unit, state);
+  VINV_FIELDS(a, Board, unit, state, stored);
 }
 
 }  // namespace vinv::boards::fr_a7ne

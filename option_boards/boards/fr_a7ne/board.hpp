@@ -9,6 +9,7 @@
 
 #include "motor_model/port/drive_port.hpp"
 #include "option_boards/boards/fr_a7ne/cip_unit.hpp"
+#include "option_boards/boards/fr_a7ne/flash_text.hpp"
 #include "option_boards/boards/fr_a7ne/leds.hpp"
 #include "option_boards/boards/option_board.hpp"
 
@@ -22,7 +23,7 @@ class Board final : public OptionBoard, private EthernetChannel {
   static constexpr Duration kTrafficShown = std::chrono::milliseconds(50);
 
   // The drive outlives the board. Without supply until handle_power.
-  Board(port::DrivePort& drive, const CipUnitConfig& config) : unit_(drive, config) {}
+  Board(port::DrivePort& drive, const CipUnitConfig& config) : unit_(drive, config), stored_(unit_.flash()) {}
 
   std::string_view type() const override { return kType; }
   void handle_power(Instant now, bool on) override;
@@ -34,6 +35,9 @@ class Board final : public OptionBoard, private EthernetChannel {
   std::string_view status_led() const override { return network_led(situation()); }
   // MS, NS and LINK/ACT.
   std::vector<Led> leds() const override;
+  std::string flash_text() const override { return fr_a7ne::flash_text(unit_.flash()); }
+  bool take_flash_changed() override;
+  Result<void, std::string> load_flash(std::string_view text) override;
 
  private:
   cip::Device& cip_device() override { return unit_; }
@@ -45,7 +49,7 @@ class Board final : public OptionBoard, private EthernetChannel {
   bool has_link() const override { return unit_.online() && unit_.has_link(); }
   void plug(Instant now, bool plugged) override;
   bool plugged() const override { return state_.plugged; }
-  void handle_activity(Instant now, std::size_t connections) override;
+  void handle_activity(Instant now) override;
   void archive_state(Archive& a) override;
 
   LedSituation situation() const;
@@ -59,6 +63,7 @@ class Board final : public OptionBoard, private EthernetChannel {
 
   CipUnit unit_;
   State state_;
+  Flash stored_;  // as its owner has it
 };
 
 }  // namespace vinv::boards::fr_a7ne

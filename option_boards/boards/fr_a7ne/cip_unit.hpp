@@ -63,6 +63,9 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   bool take_restart();
   // Supplied and started; the network sees nothing of it before.
   bool online() const { return state_.supply == Supply::kOn; }
+  // What it keeps over power-off; acts from the next start on.
+  const Flash& flash() const { return state_.flash; }
+  void set_flash(const Flash& flash) { state_.flash = flash; }
   const NetworkSettings& network() const { return state_.network; }
   LineState line() const { return line_state(state_.network.line, config_.ethernet.line_partner); }
   // The cable is plugged and the other end is alive. A link that was there and is lost is a line error (4.5.1); one

@@ -470,6 +470,7 @@ CipUnit::CipUnit(port::DrivePort& drive, const CipUnitConfig& config)
       identity_{161, 2, 56, 1, 10, config.serial_number, "A700"},
       objects_(objects(), *this, Bindings::kRows, Bindings::kServices) {
   state_.link.set_timing(config_.timing);
+  state_.flash = config_.ethernet.flash;
   for (const std::uint16_t class_id : objects().classes()) router_.add(class_id, objects_);
 }
 

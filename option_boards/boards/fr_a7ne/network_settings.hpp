@@ -40,16 +40,6 @@ void append_interface_configuration(Bytes& out, const IpConfiguration& ip);
 
 inline constexpr std::size_t kMostNameCharacters = 48;
 
-// The option's flash memory.
-struct Flash {
-  bool dhcp = true;
-  IpConfiguration ip;
-  std::string host_name;
-  LineSetting line;
-  friend bool operator==(const Flash&, const Flash&) = default;
-  VINV_ARCHIVE(Flash, dhcp, ip, host_name, line);
-};
-
 // What is read at power-on.
 struct StartupParameters {
   std::uint16_t pr346 = 132;
