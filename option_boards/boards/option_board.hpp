@@ -78,8 +78,8 @@ class EthernetChannel {
   virtual bool has_link() const = 0;
   virtual void plug(Instant now, bool plugged) = 0;
   virtual bool plugged() const = 0;
-  // For its lamps: something has gone in or out, and so many connections are open now.
-  virtual void handle_activity(Instant now, std::size_t connections) = 0;
+  // For its lamps: something has gone in or out.
+  virtual void handle_activity(Instant now) = 0;
 };
 
 // "NS", "green flashing".

@@ -278,9 +278,7 @@ void Plant::follow_ethernet(Instant now, DriveUnit& d) {
   if (const std::uint32_t address = channel.address(); address != d.claimed_address) claim_address(now, d, address);
   d.ethernet->set_link(now, channel.has_link());
   d.ethernet->handle_new_data(now);
-  if (d.ethernet->take_activity())
-    channel.handle_activity(
-        now, d.adapter->connections().io_connections() + d.adapter->connections().explicit_connections());
+  if (d.ethernet->take_activity()) channel.handle_activity(now);
 }
 
 // Address conflict detection: who comes later has to go without.

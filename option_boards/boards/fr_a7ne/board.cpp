@@ -18,7 +18,7 @@ void Board::plug(Instant now, bool plugged) {
   unit_.set_link(now, plugged);
 }
 
-void Board::handle_activity(Instant now, std::size_t) {
+void Board::handle_activity(Instant now) {
   state_.now = now;
   state_.traffic_until = now + kTrafficShown;
 }

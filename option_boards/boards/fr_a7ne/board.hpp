@@ -49,7 +49,7 @@ class Board final : public OptionBoard, private EthernetChannel {
   bool has_link() const override { return unit_.online() && unit_.has_link(); }
   void plug(Instant now, bool plugged) override;
   bool plugged() const override { return state_.plugged; }
-  void handle_activity(Instant now, std::size_t connections) override;
+  void handle_activity(Instant now) override;
   void archive_state(Archive& a) override;
 
   LedSituation situation() const;
