@@ -13,7 +13,12 @@ class ControlSessionTest : public testing::Test {
   ControlSessionTest()
       : catalogue_(test::fake_catalogue(journal_)),
         plant_(parse_plant_file("drives:\n  - name: a\n", "p.yaml", catalogue_), scheduler_,
-               PlantOptions{.catalogue = catalogue_, .stored_eeprom = {}, .damaged_eeprom = {}, .clock = {}}),
+               PlantOptions{.catalogue = catalogue_,
+                            .stored_eeprom = {},
+                            .damaged_eeprom = {},
+                            .stored_flash = {},
+                            .damaged_flash = {},
+                            .clock = {}}),
         session_(plant_) {}
   void take(const std::string& text) {
     session_.take_bytes(ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));

@@ -44,6 +44,7 @@ const std::vector<std::pair<const char*, const char*>> kStories{
     {"power", "  - power: off\n  - reached: { powered: off, within: 5 s }\n"},
     {"fault", "  - fault: { option: on }\n  - trip: { code: E.OPT, within: 100 ms }\n"},
     {"wire", "  - wire: { drop: 10 %, id: 185 }\n  - wire: bus_off\n  - wire: none\n  - check: running\n"},
+    {"link", "  - { link: down, refused: yes }\n  - check: running\n"},  // the board has none; see below
     {"switch", "  - switch: { SW1: 2 }\n  - check: running\n"},
 };
 
@@ -62,6 +63,21 @@ TEST(Words, EachActsAsAtTheControlSocket) {
     told.insert(word);
   }
   EXPECT_EQ(told, std::set<std::string_view>(action_words().begin(), action_words().end()));
+}
+
+TEST(Words, ThePulledCableOfABoardOnEthernetIsALineErrorInNetworkOperation) {
+  const RunResult r = testing::run(
+      "plant: { drives: [ { inverter: { family: fr-a700, model: FR-A740-1.5K }, parameters: { Pr.340: 10 } } ] }\n"
+      "limit: 20 s\n"
+      "steps:\n"
+      "  - when: ready\n"
+      "  - { after: 200 ms, check: { mode: NET, led: green flashing } }\n"
+      "  - link: down\n"
+      "  - trip: { code: E.OP3, within: 100 ms }\n"
+      "  - link: up\n"
+      "  - reset\n"
+      "  - reached: { alarm: none, within: 3 s }\n");
+  EXPECT_EQ(r.verdict, Verdict::kPassed) << failures(r);
 }
 
 TEST(Words, ALoadCanRampAndFollowATable) {
