@@ -49,6 +49,7 @@ class EthernetIpPort {
   std::unique_ptr<transports::UdpPort> udp_;
   std::unique_ptr<transports::UdpPort> io_;
   std::vector<std::unique_ptr<Connection>> connections_;
+  std::size_t last_found_ = 0;
   kernel::EventId event_ = 0;
   kernel::EventId sweep_ = 0;
   Instant armed_for_{};
