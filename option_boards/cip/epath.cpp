@@ -304,6 +304,20 @@ class Writer {
 
 }  // namespace
 
+std::optional<LogicalSegment> EpathReader::next_logical() {
+  // The usual form, one byte for the type and one for the number, whether padded or packed.
+  if (path_.size() - at_ >= 2 && (path_[at_] & 0xe3) == 0x20) {
+    const auto type = static_cast<LogicalType>(path_[at_] >> 2 & 7);
+    if (type == LogicalType::kClass || type == LogicalType::kInstance || type == LogicalType::kAttribute) {
+      at_ += 2;
+      return LogicalSegment{type, LogicalWidth::k8, path_[at_ - 1]};
+    }
+  }
+  const auto segment = next();
+  const auto* const logical = segment ? std::get_if<LogicalSegment>(&*segment) : nullptr;
+  return logical != nullptr ? std::optional(*logical) : std::nullopt;
+}
+
 Result<Segment, PathError> EpathReader::next() {
   Cursor cursor(path_.subspan(at_), form_);
   const Segment segment = read_segment(cursor);
@@ -326,9 +340,8 @@ Result<ObjectPath, GeneralStatus> parse_object_path(ByteView path, PathForm form
   ObjectPath object;
   EpathReader reader(path, form);
   while (!reader.at_end()) {
-    const auto segment = reader.next();
-    const auto* logical = segment ? std::get_if<LogicalSegment>(&*segment) : nullptr;
-    if (logical == nullptr) return kError;
+    const auto logical = reader.next_logical();
+    if (!logical) return kError;
     switch (logical->type) {
       case LogicalType::kClass:
         if (seen != Seen::kNothing) return kError;

@@ -1,5 +1,7 @@
 #include "option_boards/cip/message.hpp"
 
+#include <array>
+
 namespace vinv::cip {
 
 ParsedRequest parse_request(ByteView message) {
@@ -29,10 +31,10 @@ void append_request(Bytes& out, const Request& request) {
 }
 
 void append_reply(Bytes& out, std::uint8_t service, const Reply& reply) {
-  out.push_back(service | kReplyBit);
-  out.push_back(0);
-  out.push_back(static_cast<std::uint8_t>(reply.status.general));
-  out.push_back(reply.status.extended_count);
+  const std::array<std::uint8_t, 4> header{static_cast<std::uint8_t>(service | kReplyBit), 0,
+                                           static_cast<std::uint8_t>(reply.status.general),
+                                           reply.status.extended_count};
+  out.insert(out.end(), header.begin(), header.end());
   for (std::size_t i = 0; i < reply.status.extended_count; ++i) append_le16(out, reply.status.extended[i]);
   out.insert(out.end(), reply.data.begin(), reply.data.end());
 }

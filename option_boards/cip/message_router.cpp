@@ -55,7 +55,11 @@ std::optional<Ticket> MessageRouter::handle(Instant now, Request request, Reply&
     reply.clear();
     return request.ticket;
   }
-  forget(request.ticket);
+  if (!state_.waiting.empty() && state_.waiting.back().ticket == request.ticket && state_.finished.empty()) {
+    state_.waiting.pop_back();
+  } else {
+    forget(request.ticket);
+  }
   limit(reply, request.reply_limit);
   return std::nullopt;
 }

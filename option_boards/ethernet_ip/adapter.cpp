@@ -95,6 +95,7 @@ ListedIdentity Adapter::listed_identity() const {
 
 // Unconnected_Send to this device itself stands for the request in it. Vol 1, 3-5.5.4. False: message_ is its refusal.
 bool Adapter::unwrap(ByteView& message) {
+  if (message.empty() || message[0] != cip::kUnconnectedSend) return true;
   const auto outer = cip::parse_request(message);
   if (outer.service != cip::kUnconnectedSend || !outer.request || !is_connection_manager(*outer.request)) return true;
   const auto send = cip::parse_unconnected_send(outer.request->data);

@@ -1,5 +1,7 @@
 #include "option_boards/ethernet_ip/common_packet.hpp"
 
+#include <array>
+
 namespace vinv::ethernet_ip {
 namespace {
 
@@ -81,8 +83,11 @@ void append_sockaddr(Bytes& out, const Ipv4Endpoint& endpoint) {
 }
 
 void append_item_header(Bytes& out, ItemType type, std::size_t length) {
-  append_le16(out, static_cast<std::uint16_t>(type));
-  append_le16(out, static_cast<std::uint16_t>(length));
+  const auto type_word = static_cast<std::uint16_t>(type);
+  const std::array<std::uint8_t, 4> bytes{static_cast<std::uint8_t>(type_word),
+                                          static_cast<std::uint8_t>(type_word >> 8), static_cast<std::uint8_t>(length),
+                                          static_cast<std::uint8_t>(length >> 8)};
+  out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
 }  // namespace vinv::ethernet_ip

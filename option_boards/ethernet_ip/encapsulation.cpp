@@ -17,12 +17,17 @@ std::optional<EncapsulationHeader> parse_header(ByteView bytes) {
 }
 
 void append_header(Bytes& out, const EncapsulationHeader& header) {
-  append_le16(out, header.command);
-  append_le16(out, header.length);
-  append_le32(out, header.session);
-  append_le32(out, header.status);
-  out.insert(out.end(), header.context.begin(), header.context.end());
-  append_le32(out, header.options);
+  std::array<std::uint8_t, kEncapsulationHeader> bytes{};
+  const auto put = [&bytes](std::size_t at, std::size_t size, std::uint32_t value) {
+    for (std::size_t i = 0; i < size; ++i) bytes[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
+  };
+  put(0, 2, header.command);
+  put(2, 2, header.length);
+  put(4, 4, header.session);
+  put(8, 4, header.status);
+  std::copy(header.context.begin(), header.context.end(), bytes.begin() + 12);
+  put(20, 4, header.options);
+  out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
 }  // namespace vinv::ethernet_ip

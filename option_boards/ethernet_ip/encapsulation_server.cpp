@@ -60,8 +60,15 @@ void append_list_identity(Bytes& out, const ListedIdentity& identity) {
 }  // namespace
 
 EncapsulationServer::Connection* EncapsulationServer::find(TcpId connection) {
-  for (Connection& c : state_.connections)
-    if (c.id == connection && connection != 0) return &c;
+  if (connection == 0) return nullptr;
+  auto& all = state_.connections;
+  // A message asks for its connection several times.
+  if (last_found_ < all.size() && all[last_found_].id == connection) return &all[last_found_];
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].id != connection) continue;
+    last_found_ = i;
+    return &all[i];
+  }
   return nullptr;
 }
 

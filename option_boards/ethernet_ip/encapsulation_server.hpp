@@ -143,6 +143,7 @@ class EncapsulationServer {
   EncapsulationUser& user_;
   const EncapsulationLimits limits_;
   State state_;
+  std::size_t last_found_ = 0;  // of the connections
 
   friend void archive(Archive& a, EncapsulationServer& server) { a.io(server.state_); }
 };

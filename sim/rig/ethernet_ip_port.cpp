@@ -171,9 +171,13 @@ void EthernetIpPort::poll(Instant now) {
 }
 
 EthernetIpPort::Connection* EthernetIpPort::find(ethernet_ip::TcpId id) {
-  const auto found =
-      std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == id && !c->closed; });
-  return found == connections_.end() ? nullptr : found->get();
+  const auto is_it = [&](const auto& c) { return c->id == id && !c->closed; };
+  // Mostly the answer to a request of the connection that was found last.
+  if (last_found_ < connections_.size() && is_it(connections_[last_found_])) return connections_[last_found_].get();
+  const auto found = std::find_if(connections_.begin(), connections_.end(), is_it);
+  if (found == connections_.end()) return nullptr;
+  last_found_ = static_cast<std::size_t>(found - connections_.begin());
+  return found->get();
 }
 
 void EthernetIpPort::retire(Connection& c) {

@@ -106,6 +106,7 @@ class EthernetIpPort {
   WireTap udp_tap_;
   bool link_ = true;
   bool activity_ = false;
+  std::size_t last_found_ = 0;
   kernel::EventId event_ = 0;
   kernel::EventId sweep_ = 0;
   Instant armed_for_{};

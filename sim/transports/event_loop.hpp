@@ -2,6 +2,10 @@
 //
 // Neither side can starve the other: overdue events are run for at most a slice, then sockets get a turn; between two
 // socket handlers a due event goes first. Streams and listeners of a loop are destroyed before it.
+//
+// Streams and UDP sockets are in a ReadySet, everything else (listeners, serial lines, signals) in Asio's reactor. The
+// loop sleeps in Asio's, of which the set is a part, until the set has traffic; then it sleeps in the set and looks at
+// Asio's once a millisecond, until the set has been quiet for a while.
 #pragma once
 
 #include <functional>
@@ -9,6 +13,7 @@
 
 #include "sim/kernel/lateness.hpp"
 #include "sim/kernel/scheduler.hpp"
+#include "sim/transports/ready_set.hpp"
 
 namespace asio {
 class io_context;
@@ -26,6 +31,8 @@ class EventLoop {
   kernel::Scheduler& scheduler();
   // Transports on this loop complete on its thread, between events, with now() as the time.
   asio::io_context& io();
+  // For sockets with much traffic; handlers run like those of io().
+  ReadySet& ready_set();
   // Simulated time now: real time since run() began, never before the last event that ran and never past one that
   // still waits, so that an engine's time does not go back when the machine is behind. Outside run() it stands still.
   Instant now() const;

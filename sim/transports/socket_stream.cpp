@@ -1,23 +1,29 @@
 #include "sim/transports/socket_stream.hpp"
 
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <array>
-#include <asio/error.hpp>
 #include <asio/io_context.hpp>
 #include <asio/post.hpp>
+#include <cerrno>
 #include <utility>
 
 #include "sim/transports/io_error.hpp"
 #include "sim/transports/stream_handlers.hpp"
+#include "sim/transports/unique_fd.hpp"
 
 namespace vinv::transports {
 
-class SocketSession : public std::enable_shared_from_this<SocketSession> {
+class SocketSession final : public std::enable_shared_from_this<SocketSession>, private ReadyHandler {
  public:
-  using Socket = asio::generic::stream_protocol::socket;
-
-  SocketSession(EventLoop& loop, Socket socket, std::string name, std::size_t max_queued)
+  SocketSession(EventLoop& loop, UniqueFd socket, std::string name, std::size_t max_queued)
       : loop_(loop), socket_(std::move(socket)), name_(std::move(name)), max_queued_(max_queued) {}
+  // Its stream has closed it.
+  ~SocketSession() = default;
+  SocketSession(const SocketSession&) = delete;
+  SocketSession& operator=(const SocketSession&) = delete;
 
   const std::string& name() const { return name_; }
   bool takes_a_place() const { return state_ != State::kEnded; }
@@ -25,27 +31,23 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
 
   void set_handlers(ByteStream::OnBytes on_bytes, ByteStream::OnClosed on_closed) {
     if (state_ == State::kEnded) return;
-    const bool first = !handlers_.are_set();
     handlers_.set(std::move(on_bytes), std::move(on_closed));
-    if (first && !reading_) read();
+    watch();
   }
 
   void send(ByteView bytes) {
     if (state_ == State::kEnded || bytes.empty()) return;
     if (queue_.empty()) {
-      asio::error_code error;
-      const std::size_t sent = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), error);
-      if (error && error != asio::error::would_block && error != asio::error::try_again) {
-        return end_later(describe_disconnect(error.value()));
-      }
-      bytes = bytes.subspan(error ? 0 : sent);
+      const ssize_t sent = write(bytes);
+      if (sent < 0) return end_later(describe_disconnect(errno));
+      bytes = bytes.subspan(static_cast<std::size_t>(sent));
       if (bytes.empty()) return;
     }
     if (queue_.size() - sent_ + bytes.size() > max_queued_) {
       return end_later("disconnected: the peer does not read (" + std::to_string(max_queued_) + " bytes wait for it)");
     }
     queue_.insert(queue_.end(), bytes.begin(), bytes.end());
-    wait_writable();
+    watch();
   }
 
   // By the owner: no handler is called any more.
@@ -69,9 +71,9 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
     if (grace_ != 0) loop_.scheduler().cancel(grace_);
     queue_ = Bytes();
     sent_ = 0;
-    asio::error_code ignored;
-    socket_.shutdown(asio::socket_base::shutdown_both, ignored);
-    socket_.close(ignored);
+    if (ready_ != 0) loop_.ready_set().remove(ready_, socket_.get());
+    ::shutdown(socket_.get(), SHUT_RDWR);
+    socket_.reset();
   }
 
   // From within a call of the owner, who does not expect to be called back from there.
@@ -82,25 +84,44 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
     });
   }
 
-  void read() {
-    reading_ = true;
-    socket_.async_read_some(asio::buffer(in_),
-                            [self = shared_from_this()](const asio::error_code& error, std::size_t size) {
-                              self->reading_ = false;
-                              self->on_read(error, size);
-                            });
+  // What the socket is waited for: bytes while somebody takes them, room while something is queued. A half-closed one
+  // without a queue is in the set for its reset.
+  void watch() {
+    const bool reads = state_ == State::kOpen && handlers_.are_set();
+    const std::uint32_t wanted =
+        (reads ? std::uint32_t{EPOLLIN} : 0u) | (queue_.empty() ? 0u : std::uint32_t{EPOLLOUT});
+    if (ready_ == 0) {
+      if (wanted == 0) return;
+      ready_ = loop_.ready_set().add(socket_.get(), wanted, *this);
+    } else if (wanted != watched_) {
+      loop_.ready_set().change(ready_, socket_.get(), wanted);
+    }
+    watched_ = wanted;
   }
 
-  void on_read(const asio::error_code& error, std::size_t size) {
-    if (state_ != State::kOpen) return;
-    if (error == asio::error::eof) return half_close();
-    if (error) return end(describe_disconnect(error.value()));
-    handlers_.bytes(loop_.now(), ByteView(in_.data(), size), false);
-    if (state_ == State::kOpen) read();
+  void on_ready(std::uint32_t events) override {
+    const auto self = shared_from_this();
+    if ((events & EPOLLOUT) != 0) flush();
+    if (state_ == State::kOpen && handlers_.are_set()) {
+      if ((events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0) read();
+    } else if (state_ != State::kEnded && (events & (EPOLLHUP | EPOLLERR)) != 0) {
+      int error = 0;
+      socklen_t size = sizeof error;
+      ::getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &error, &size);
+      end(describe_disconnect(error));
+    }
+  }
+
+  void read() {
+    const ssize_t size = ::recv(socket_.get(), in_.data(), in_.size(), MSG_DONTWAIT);
+    if (size > 0) return handlers_.bytes(loop_.now(), ByteView(in_.data(), static_cast<std::size_t>(size)), false);
+    if (size == 0) return half_close();
+    if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) end(describe_disconnect(errno));
   }
 
   void half_close() {
     state_ = State::kHalfClosed;
+    watch();
     grace_ = loop_.scheduler().schedule(loop_.now() + kHalfCloseGrace, kernel::Priority::kWire,
                                         [weak = weak_from_this()](Instant) {
                                           const auto self = weak.lock();
@@ -110,38 +131,33 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
                                         });
   }
 
-  void wait_writable() {
-    if (writing_) return;
-    writing_ = true;
-    socket_.async_wait(Socket::wait_write, [self = shared_from_this()](const asio::error_code& error) {
-      self->writing_ = false;
-      if (!error) self->flush();
-    });
+  // Bytes that went; -1 with errno if the connection is broken.
+  ssize_t write(ByteView bytes) {
+    const ssize_t sent = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent >= 0) return sent;
+    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? 0 : -1;
   }
 
   void flush() {
-    if (state_ == State::kEnded) return;
-    asio::error_code error;
-    const std::size_t sent = socket_.write_some(asio::buffer(queue_.data() + sent_, queue_.size() - sent_), error);
-    if (error && error != asio::error::would_block && error != asio::error::try_again) {
-      return end(describe_disconnect(error.value()));
-    }
-    if (!error) sent_ += sent;
+    if (queue_.empty()) return;
+    const ssize_t sent = write(ByteView(queue_).subspan(sent_));
+    if (sent < 0) return end(describe_disconnect(errno));
+    sent_ += static_cast<std::size_t>(sent);
     // Moved to the front now and then only: a long queue is not copied for every piece that leaves it.
     if (sent_ >= queue_.size() / 2) {
       queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(sent_));
       sent_ = 0;
     }
-    if (!queue_.empty()) wait_writable();
+    watch();
   }
 
   EventLoop& loop_;
-  Socket socket_;
+  UniqueFd socket_;
   std::string name_;
   StreamHandlers handlers_;
   State state_ = State::kOpen;
-  bool reading_ = false;
-  bool writing_ = false;
+  ReadySet::Id ready_ = 0;
+  std::uint32_t watched_ = 0;
   kernel::EventId grace_ = 0;
   std::array<std::uint8_t, kBytesPerWakeUp> in_{};
   std::size_t max_queued_;
@@ -199,9 +215,8 @@ void ConnectionTable::add(const std::shared_ptr<SocketSession>& session) { sessi
 
 std::unique_ptr<ByteStream> make_socket_stream(EventLoop& loop, asio::generic::stream_protocol::socket socket,
                                                std::string name, ConnectionTable* table, std::size_t max_queued) {
-  asio::error_code ignored;
-  socket.non_blocking(true, ignored);
-  auto session = std::make_shared<SocketSession>(loop, std::move(socket), std::move(name), max_queued);
+  // Out of Asio's reactor: the loop's ready set watches it.
+  auto session = std::make_shared<SocketSession>(loop, UniqueFd(socket.release()), std::move(name), max_queued);
   if (table != nullptr) table->add(session);
   return std::make_unique<SocketStream>(std::move(session));
 }

@@ -2,14 +2,12 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 
 #include <array>
-#include <asio/io_context.hpp>
-#include <asio/posix/stream_descriptor.hpp>
 #include <cerrno>
 #include <cstring>
-#include <map>
 #include <utility>
 
 #include "sim/transports/io_error.hpp"
@@ -41,8 +39,11 @@ std::string text(const Ipv4Endpoint& e) { return ipv4_text(e.address) + ":" + st
 
 }  // namespace
 
-struct UdpSocket::Impl : std::enable_shared_from_this<UdpSocket::Impl> {
-  explicit Impl(EventLoop& l) : loop(l), descriptor(l.io()) {}
+struct UdpSocket::Impl final : std::enable_shared_from_this<UdpSocket::Impl>, private ReadyHandler {
+  explicit Impl(EventLoop& l) : loop(l) {}
+  ~Impl() { close(); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   // 0, or errno.
   int open(const UdpSocketOptions& options) {
@@ -66,38 +67,42 @@ struct UdpSocket::Impl : std::enable_shared_from_this<UdpSocket::Impl> {
     socklen_t size = sizeof bound;
     if (::getsockname(fd, reinterpret_cast<sockaddr*>(&bound), &size) != 0) return errno;
     local = to_endpoint(bound);
-    descriptor.assign(opened.release());
+    socket = std::move(opened);
+    prepare();
     return 0;
   }
 
-  void wait() {
-    descriptor.async_wait(asio::posix::stream_descriptor::wait_read,
-                          [self = shared_from_this()](const asio::error_code& error) {
-                            if (error || !self->descriptor.is_open()) return;
-                            self->receive();
-                            if (self->descriptor.is_open()) self->wait();
-                          });
-  }
-
-  void receive() {
-    std::array<mmsghdr, kBatch> messages{};
-    std::array<iovec, kBatch> pieces{};
-    std::array<sockaddr_in, kBatch> senders{};
+  void prepare() {
     for (unsigned i = 0; i < kBatch; ++i) {
       pieces[i] = {buffers[i].data(), buffers[i].size()};
       msghdr& header = messages[i].msg_hdr;
       header.msg_name = &senders[i];
-      header.msg_namelen = sizeof senders[i];
       header.msg_iov = &pieces[i];
       header.msg_iovlen = 1;
-      if (interface_index != 0) {
-        header.msg_control = controls[i].bytes.data();
-        header.msg_controllen = controls[i].bytes.size();
-      }
+      if (interface_index != 0) header.msg_control = controls[i].bytes.data();
     }
-    const int count = ::recvmmsg(descriptor.native_handle(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
+  }
+
+  void wait() { ready = loop.ready_set().add(socket.get(), EPOLLIN, *this); }
+
+  void close() {
+    if (ready != 0) loop.ready_set().remove(std::exchange(ready, 0), socket.get());
+    socket.reset();
+  }
+
+  void on_ready(std::uint32_t /*events*/) override {
+    const auto self = shared_from_this();
+    receive();
+  }
+
+  void receive() {
+    for (auto& m : messages) {
+      m.msg_hdr.msg_namelen = sizeof(sockaddr_in);
+      if (interface_index != 0) m.msg_hdr.msg_controllen = sizeof controls[0].bytes;
+    }
+    const int count = ::recvmmsg(socket.get(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
     const Instant now = loop.now();
-    for (int i = 0; i < count && descriptor.is_open(); ++i) {
+    for (int i = 0; i < count && socket.is_open(); ++i) {
       auto& m = messages[static_cast<std::size_t>(i)];
       if ((m.msg_hdr.msg_flags & MSG_TRUNC) != 0 || !came_by_our_interface(m.msg_hdr)) continue;
       const auto keep = handler;
@@ -119,7 +124,7 @@ struct UdpSocket::Impl : std::enable_shared_from_this<UdpSocket::Impl> {
   }
 
   void send(const Ipv4Endpoint& to, ByteView bytes, std::uint8_t dscp) {
-    const int fd = descriptor.native_handle();
+    const int fd = socket.get();
     if (dscp != last_dscp) {  // senders hardly ever change it: cheaper than to say it with each packet
       last_dscp = dscp;
       set_option(fd, IPPROTO_IP, IP_TOS, dscp << 2);
@@ -137,7 +142,7 @@ struct UdpSocket::Impl : std::enable_shared_from_this<UdpSocket::Impl> {
     ip_mreq request{};
     request.imr_multiaddr.s_addr = htonl(group);
     request.imr_interface.s_addr = htonl(member_by);
-    return ::setsockopt(descriptor.native_handle(), IPPROTO_IP, option, &request, sizeof request) == 0;
+    return ::setsockopt(socket.get(), IPPROTO_IP, option, &request, sizeof request) == 0;
   }
 
   struct alignas(cmsghdr) Control {
@@ -145,23 +150,25 @@ struct UdpSocket::Impl : std::enable_shared_from_this<UdpSocket::Impl> {
   };
 
   EventLoop& loop;
-  asio::posix::stream_descriptor descriptor;
+  UniqueFd socket;
+  ReadySet::Id ready = 0;
   Ipv4Endpoint local;
   std::uint32_t member_by = 0;
   unsigned interface_index = 0;
   std::uint8_t last_dscp = 0;
-  bool waiting = false;
   std::shared_ptr<OnDatagram> handler;
   std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> buffers{};
   std::array<Control, kBatch> controls{};
+  std::array<mmsghdr, kBatch> messages{};
+  std::array<iovec, kBatch> pieces{};
+  std::array<sockaddr_in, kBatch> senders{};
 };
 
 UdpSocket::UdpSocket(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 UdpSocket::~UdpSocket() {
   impl_->handler.reset();
-  asio::error_code ignored;
-  impl_->descriptor.close(ignored);
+  impl_->close();
 }
 
 Result<std::unique_ptr<UdpSocket>, std::string> UdpSocket::open(EventLoop& loop, const UdpSocketOptions& options) {
@@ -180,7 +187,7 @@ Result<std::unique_ptr<UdpSocket>, std::string> UdpSocket::open(EventLoop& loop,
 
 void UdpSocket::set_handler(OnDatagram on_datagram) {
   impl_->handler = std::make_shared<OnDatagram>(std::move(on_datagram));
-  if (!std::exchange(impl_->waiting, true)) impl_->wait();
+  if (impl_->ready == 0) impl_->wait();
 }
 
 void UdpSocket::send(Instant, const Ipv4Endpoint& to, ByteView bytes, std::uint8_t dscp) {

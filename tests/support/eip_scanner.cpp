@@ -12,7 +12,6 @@
 namespace vinv::scanner {
 namespace {
 
-constexpr std::uint16_t kPort = 44818;
 constexpr std::uint16_t kIoPort = 2222;
 constexpr int kAnswerMs = 10'000;
 
@@ -89,6 +88,35 @@ Octets data_item(const Octets& packet, std::uint16_t wanted) {
   return {};
 }
 
+// Interface handle, time-out, null address, unconnected data.
+Octets unconnected(const Octets& message) {
+  return Builder()
+      .u32(0)
+      .u16(10)
+      .u16(2)
+      .u16(0)
+      .u16(0)
+      .u16(0xb2)
+      .u16(static_cast<unsigned>(message.size()))
+      .add(message)
+      .bytes;
+}
+
+Octets get_attribute_request(std::uint16_t class_id, std::uint16_t instance, std::uint8_t attribute) {
+  return Builder()
+      .u8(0x0e)
+      .u8(5)
+      .u8(0x21)
+      .u8(0)
+      .u16(class_id)
+      .u8(0x25)
+      .u8(0)
+      .u16(instance)
+      .u8(0x30)
+      .u8(attribute)
+      .bytes;
+}
+
 }  // namespace
 
 EipScanner::~EipScanner() {
@@ -99,7 +127,7 @@ EipScanner::~EipScanner() {
 
 bool EipScanner::connect() {
   tcp_ = ::socket(AF_INET, SOCK_STREAM, 0);
-  const sockaddr_in from = address_of(own_, 0), to = address_of(target_, kPort);
+  const sockaddr_in from = address_of(own_, 0), to = address_of(target_, port_);
   if (::bind(tcp_, reinterpret_cast<const sockaddr*>(&from), sizeof from) != 0 ||
       ::connect(tcp_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
     return false;
@@ -190,22 +218,15 @@ Octets EipScanner::exchange(std::uint16_t command, const Octets& data) {
 }
 
 Reply EipScanner::request(const Octets& message) {
-  const Octets packet = Builder()
-                            .u32(0)
-                            .u16(10)
-                            .u16(2)
-                            .u16(0)
-                            .u16(0)
-                            .u16(0xb2)
-                            .u16(static_cast<unsigned>(message.size()))
-                            .add(message)
-                            .bytes;
-  return parse_reply(data_item(exchange(0x6f, packet), 0xb2));
+  return parse_reply(data_item(exchange(0x6f, unconnected(message)), 0xb2));
 }
 
 Reply EipScanner::get_attribute(std::uint16_t class_id, std::uint16_t instance, std::uint8_t attribute) {
-  return request(
-      Builder().u8(0x0e).u8(5).u8(0x21).u8(0).u16(class_id).u8(0x25).u8(0).u16(instance).u8(0x30).u8(attribute).bytes);
+  return request(get_attribute_request(class_id, instance, attribute));
+}
+
+Octets EipScanner::get_attribute_message(std::uint16_t class_id, std::uint16_t instance, std::uint8_t attribute) const {
+  return encapsulate(0x6f, unconnected(get_attribute_request(class_id, instance, attribute)));
 }
 
 Opened EipScanner::open(const OpenOptions& o) {
@@ -226,17 +247,7 @@ Opened EipScanner::open(const OpenOptions& o) {
   b.u32(o.t2o_rpi_us);
   parameters(o.t2o_multicast, o.t2o_size);
   b.u8(o.transport).u8(static_cast<unsigned>(o.path.size() / 2)).add(o.path);
-  const Octets packet = Builder()
-                            .u32(0)
-                            .u16(10)
-                            .u16(2)
-                            .u16(0)
-                            .u16(0)
-                            .u16(0xb2)
-                            .u16(static_cast<unsigned>(b.bytes.size()))
-                            .add(b.bytes)
-                            .bytes;
-  const Octets answer = exchange(0x6f, packet);
+  const Octets answer = exchange(0x6f, unconnected(b.bytes));
   const Reply reply = parse_reply(data_item(answer, 0xb2));
   Opened opened;
   opened.asked = o;
@@ -311,7 +322,7 @@ void EipScanner::send_io(Opened& c, const Octets& data, bool run, bool modeless)
                             .u16(static_cast<unsigned>(payload.bytes.size()))
                             .add(payload.bytes)
                             .bytes;
-  const sockaddr_in to = address_of(target_, kIoPort);
+  const sockaddr_in to = address_of(target_, io_port_);
   ::sendto(udp_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
 }
 
@@ -347,7 +358,7 @@ std::vector<Octets> EipScanner::list_identity(std::uint32_t to, std::uint16_t ma
   const int fd = new_udp(own_, 0, false);
   if (fd < 0) return answers;
   const Octets ask = Builder().u16(0x63).u16(0).u32(0).u32(0).u16(max_delay_ms).u16(0).u32(0).u32(0).bytes;
-  const sockaddr_in address = address_of(to, kPort);
+  const sockaddr_in address = address_of(to, port_);
   ::sendto(fd, ask.data(), ask.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(listen_ms);
   for (;;) {

@@ -58,7 +58,8 @@ struct Reply {
 class EipScanner {
  public:
   // Uses own for its TCP connection and, once open_io is called, UDP 2222.
-  EipScanner(std::uint32_t own, std::uint32_t target) : own_(own), target_(target) {}
+  EipScanner(std::uint32_t own, std::uint32_t target, std::uint16_t port = 44818, std::uint16_t io_port = 2222)
+      : own_(own), target_(target), port_(port), io_port_(io_port) {}
   ~EipScanner();
   EipScanner(const EipScanner&) = delete;
   EipScanner& operator=(const EipScanner&) = delete;
@@ -82,6 +83,11 @@ class EipScanner {
 
   // Whole encapsulation answers to a ListIdentity sent to an address, for so long.
   std::vector<Octets> list_identity(std::uint32_t to, std::uint16_t max_delay_ms, int listen_ms);
+  // The whole message that get_attribute sends, for whoever does without its waiting.
+  Octets get_attribute_message(std::uint16_t class_id, std::uint16_t instance, std::uint8_t attribute) const;
+  // The sockets, for whoever waits on many; -1: not open. They stay the scanner's.
+  int tcp() const { return tcp_; }
+  int udp() const { return udp_; }
   // Sends these bytes as they are over the TCP connection.
   bool send_raw(const Octets& bytes);
   // The next whole encapsulation message; empty after the time-out or if the connection has ended.
@@ -93,6 +99,7 @@ class EipScanner {
   int new_udp(std::uint32_t address, std::uint16_t port, bool shared) const;
 
   std::uint32_t own_, target_;
+  std::uint16_t port_, io_port_;  // of the target
   int tcp_ = -1, udp_ = -1;
   std::vector<int> groups_;
   std::uint32_t session_ = 0;
