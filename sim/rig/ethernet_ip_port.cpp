@@ -218,7 +218,7 @@ void EthernetIpPort::drop() { connections_.clear(); }
 void EthernetIpPort::archive(Archive& a, transports::MemoryStreams& streams) {
   // A connection that is closed waits only for being forgotten.
   VINV_MEMBERS(*this, scheduler, adapter, on_traffic, udp, io, carrier, connections, tcp_tap, udp_tap, link, activity,
-               event, sweep, armed_for);
+               last_found, event, sweep, armed_for);
   a.io(adapter);
   VINV_FIELDS(a, EthernetIpPort, link, activity, armed_for);
   std::vector<Connection*> held;

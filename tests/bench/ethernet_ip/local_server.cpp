@@ -28,14 +28,14 @@ struct Drive {
     inverter = std::move(made).value();
     boards::fr_a7ne::CipUnitConfig unit_config;
     unit_config.timing = boards::fr_a7ne::Timing::fast();
-    unit_config.lease.address = address;
+    unit_config.ethernet.lease.address = address;
     unit = std::make_unique<boards::fr_a7ne::CipUnit>(inverter->port(), unit_config);
     adapter = std::make_unique<ethernet_ip::Adapter>(*unit, ethernet_ip::AdapterOptions{});
   }
   std::unique_ptr<inverter::Inverter> inverter;
   std::unique_ptr<boards::fr_a7ne::CipUnit> unit;
   std::unique_ptr<ethernet_ip::Adapter> adapter;
-  rig::EthernetIpPort* port = nullptr;
+  std::unique_ptr<rig::EthernetIpPort> port;
 };
 }  // namespace
 
@@ -48,19 +48,20 @@ int main(int argc, char** argv) {
   const unsigned count = argc > 2 ? static_cast<unsigned>(std::atoi(argv[2])) : 1;
   const rig::Catalogue catalogue = rig::shipped_catalogue();
   transports::EventLoop loop;
-  rig::LiveEthernetIp host(loop);
   std::vector<std::unique_ptr<Drive>> drives;
+  rig::LiveEthernetIp host(loop);
   for (unsigned i = 0; i < count; ++i) {
     const std::uint32_t address = *first + i;
     drives.push_back(std::make_unique<Drive>(catalogue, address));
     rig::EthernetIpAddress where;
     where.address = address;
-    auto port = host.add(*drives.back()->adapter, where);
-    if (!port) {
-      std::fprintf(stderr, "%s\n", port.error().c_str());
+    Drive& drive = *drives.back();
+    drive.port = std::make_unique<rig::EthernetIpPort>(loop.scheduler(), *drive.adapter);
+    if (const auto added = host.add(*drive.port, where); !added) {
+      std::fprintf(stderr, "%s\n", added.error().c_str());
       return 1;
     }
-    drives.back()->port = *port;
+    drive.port->start(loop.now(), {address, 0, where.io_port});
     drives.back()->inverter->set_power(true);
     drives.back()->unit->handle_power(loop.now(), true);
   }

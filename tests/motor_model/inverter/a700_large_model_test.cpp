@@ -60,9 +60,9 @@ TEST(A700LargeModel, ParametersOfCurrentsTravelInTenths) {
 TEST(A700LargeModel, TheOptionBoardScalesBySize) {
   const auto attribute = [](Bench& b, std::uint16_t class_id, std::uint16_t number) {
     boards::fr_a7ne::CipUnitConfig config;
-    config.mac = {2, 0, 0, 0, 0, 9};
-    config.lease.address = 0x7F000002;
-    config.lease.mask = 0xFF000000;
+    config.ethernet.mac = {2, 0, 0, 0, 0, 9};
+    config.ethernet.lease.address = 0x7F000002;
+    config.ethernet.lease.mask = 0xFF000000;
     boards::fr_a7ne::CipUnit unit(b.port(), config);
     unit.handle_power(b.now(), true);
     for (int i = 0; i < 10; ++i) {

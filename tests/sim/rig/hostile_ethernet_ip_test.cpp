@@ -36,7 +36,7 @@ struct Unit {
   Unit() : adapter(device, {}) {}
   test::FakeDevice device;
   ethernet_ip::Adapter adapter;
-  EthernetIpPort* port = nullptr;
+  std::unique_ptr<EthernetIpPort> port;
 };
 
 class Hostile : public ::testing::TestWithParam<std::string> {
@@ -57,15 +57,19 @@ class Hostile : public ::testing::TestWithParam<std::string> {
       for (unsigned i = 0; i < 2; ++i) {
         EthernetIpAddress where;
         where.address = address(i + 1);
-        const auto port = host->add(units[i].adapter, where);
-        ASSERT_TRUE(port) << port.error();
-        units[i].port = *port;
+        units[i].port = std::make_unique<EthernetIpPort>(thread->loop().scheduler(), units[i].adapter);
+        const auto added = host->add(*units[i].port, where);
+        ASSERT_TRUE(added) << added.error();
+        units[i].port->start(thread->loop().now(), {where.address, 0, where.io_port});
       }
     });
   }
   void TearDown() override {
     attacker.reset();
-    thread->call([this] { host.reset(); });
+    thread->call([this] {
+      host.reset();
+      for (Unit& unit : units) unit.port.reset();
+    });
   }
   static std::uint32_t address_of_parent(unsigned last) {
     const auto id = static_cast<unsigned>(::getppid());

@@ -37,7 +37,7 @@ TEST(ScenarioFile, KeepsThePlaceOfEachStep) {
 TEST(ScenarioFile, FindsAPlantFileBesideItself) {
   const Scenario s = parse_scenario("# A.\nplant: ../plants/demo.yaml\nsteps: [ { drive: fan_1, run: forward } ]\n",
                                     VINV_SOURCE_DIR "/scenarios/fr-e500/x.yaml", load_options());
-  EXPECT_EQ(s.plant.drives.size(), 3u);
+  EXPECT_EQ(s.plant.drives.size(), 4u);
   EXPECT_EQ(s.tracks[0].steps[0].drive, 1u);
 }
 

@@ -57,7 +57,8 @@ TEST(Words, EachActsAsAtTheControlSocket) {
     told.insert(word);
   }
   // Only a master can be told these.
-  for (const std::string_view word : {"clear_alarms", "monitor", "quick_stop", "silence"}) {
+  for (const std::string_view word : {"clear_alarms", "close", "drop", "fault_reset", "idle", "input", "monitor",
+                                      "open", "output", "producing", "quick_stop", "request", "silence"}) {
     EXPECT_THROW(read(std::string(kHead) + kRunning + "  - " + std::string(word) + ": on\n"), ScenarioFileError)
         << word;
     told.insert(word);
@@ -67,7 +68,8 @@ TEST(Words, EachActsAsAtTheControlSocket) {
 
 TEST(Words, ThePulledCableOfABoardOnEthernetIsALineErrorInNetworkOperation) {
   const RunResult r = testing::run(
-      "plant: { drives: [ { inverter: { family: fr-a700, model: FR-A740-1.5K }, parameters: { Pr.340: 10 } } ] }\n"
+      "# A.\nplant: { drives: [ { inverter: { family: fr-a700, model: FR-A740-1.5K }, parameters: { Pr.340: 10 } } ] "
+      "}\n"
       "limit: 20 s\n"
       "steps:\n"
       "  - when: ready\n"
