@@ -11,6 +11,10 @@ namespace {
 // Of a switched network in one room.
 constexpr Duration kEthernetDelay = std::chrono::microseconds(100);
 
+Problem problem(Position at, const std::string& drive, const std::string& message) {
+  return {at, drive + ": " + sentence(message)};
+}
+
 }  // namespace
 
 Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
@@ -30,10 +34,12 @@ Plant::Plant(PlantFile file, kernel::Scheduler& scheduler, PlantOptions options)
     buses_.push_back(std::make_unique<CanLine>(scheduler_, net));
     buses_.back()->set_seed(options.seed + buses_.size() - 1);
   }
+  std::vector<Problem> problems;
   for (const DriveSpec& spec : file_.drives) {
-    drives_.push_back(build(spec, options));
+    drives_.push_back(build(spec, options, problems));
     if (drives_.back()->board) wire(*drives_.back(), options.seed + drives_.size() - 1);
   }
+  if (!problems.empty()) throw PlantFileError(file_.path, std::move(problems));
 }
 
 void Plant::reseed(std::uint64_t seed) {
@@ -82,10 +88,11 @@ Plant::~Plant() {
 }
 
 void Plant::refuse(Position at, const std::string& drive, const std::string& message) const {
-  throw PlantFileError(file_.path, {{at, drive + ": " + sentence(message)}});
+  throw PlantFileError(file_.path, {problem(at, drive, message)});
 }
 
-std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOptions& options) {
+std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOptions& options,
+                                        std::vector<Problem>& problems) {
   auto d = std::make_unique<DriveUnit>();
   d->spec = spec;
 
@@ -134,11 +141,11 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
   std::optional<std::string> stored;
   if (options.stored_eeprom) stored = options.stored_eeprom(spec.name);
   if (!stored) {
-    first_parameters(*d);
+    first_parameters(*d, problems);
   } else if (const auto loaded = d->inverter->load_eeprom(*stored); !loaded) {
     if (options.damaged_eeprom) options.damaged_eeprom(spec.name, loaded.error());
   }
-  inputs(*d);
+  inputs(*d, problems);
 
   if (spec.board) {
     boards::BoardConfig board;
@@ -161,22 +168,23 @@ std::unique_ptr<DriveUnit> Plant::build(const DriveSpec& spec, const PlantOption
 }
 
 // What a drive has when it starts for the first time.
-void Plant::first_parameters(DriveUnit& d) {
+void Plant::first_parameters(DriveUnit& d, std::vector<Problem>& problems) {
   for (const auto& [name, value] : d.spec.parameters)
     if (const auto set = d.inverter->preset_parameter(name.value, value.value); !set)
-      refuse(name.at, d.spec.name, set.error());
+      problems.push_back(problem(name.at, d.spec.name, set.error()));
 }
 
-void Plant::inputs(DriveUnit& d) {
+void Plant::inputs(DriveUnit& d, std::vector<Problem>& problems) {
   for (const auto& [name, on] : d.spec.terminals) {
     if (const auto set = d.inverter->set_terminal(name.value, on); !set) {
       std::vector<std::string_view> known;
       for (const auto& t : d.inverter->terminals()) known.push_back(t.first);
-      refuse(name.at, d.spec.name, sentence(set.error()) + suggestion(name.value, known));
+      problems.push_back(problem(name.at, d.spec.name, sentence(set.error()) + suggestion(name.value, known)));
     }
   }
   for (const auto& [name, value] : d.spec.analog)
-    if (const auto set = d.inverter->set_analog(name.value, value); !set) refuse(name.at, d.spec.name, set.error());
+    if (const auto set = d.inverter->set_analog(name.value, value); !set)
+      problems.push_back(problem(name.at, d.spec.name, set.error()));
 }
 
 void Plant::start() {

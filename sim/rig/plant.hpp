@@ -116,10 +116,11 @@ class Plant {
   friend void archive(Archive& a, Plant& plant) { plant.archive_state(a); }
 
  private:
-  std::unique_ptr<DriveUnit> build(const DriveSpec& spec, const PlantOptions& options);
+  // problems: what the drive refuses of the file, though it can be built.
+  std::unique_ptr<DriveUnit> build(const DriveSpec& spec, const PlantOptions& options, std::vector<Problem>& problems);
   [[noreturn]] void refuse(Position at, const std::string& drive, const std::string& message) const;
-  void first_parameters(DriveUnit& drive);
-  void inputs(DriveUnit& drive);
+  void first_parameters(DriveUnit& drive, std::vector<Problem>& problems);
+  void inputs(DriveUnit& drive, std::vector<Problem>& problems);
   void wire(DriveUnit& drive, std::uint64_t seed);
   void tick(Instant now);
   void settle(Instant now, DriveUnit& drive);

@@ -40,6 +40,10 @@ std::string what_of(const std::string& file, const std::vector<Problem>& problem
   return out;
 }
 
+bool contains(const std::vector<std::string_view>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
 std::string stem(const std::string& path) {
   std::string s = path.substr(path.find_last_of('/') + 1);
   s = s.substr(0, s.find_first_of('.'));
@@ -56,7 +60,8 @@ class Loader {
   }
 
   PlantFile load(std::string_view text) {
-    const auto root = read_document(text, "a plant file", "a plant needs at least \"drives:\" with one drive.", problems_);
+    const auto root =
+        read_document(text, "a plant file", "a plant needs at least \"drives:\" with one drive.", problems_);
     return load_node(root ? &*root : nullptr);
   }
 
@@ -155,15 +160,34 @@ class Loader {
       if (!family) return false;
       d.family = *family;
     }
-    const auto models = catalogue_.models(d.family);
-    if (inv.has("model")) {
-      const auto model = inv.word("model", models);
-      if (!model) return false;
-      d.model = {*model, position_of(*inv.find("model"))};
-    } else if (std::find(models.begin(), models.end(), d.model.value) == models.end() && !models.empty()) {
-      d.model.value = models.front();
+    std::vector<std::string_view> models;  // without a family the model says which one it is
+    for (const std::string_view family : catalogue_.families()) {
+      const auto of_family = catalogue_.models(family);
+      if (family == d.family || !inv.has("family")) models.insert(models.end(), of_family.begin(), of_family.end());
     }
+    if (!inv.has("model")) {
+      if (!contains(models, d.model.value) && !models.empty()) d.model.value = models.front();
+      return true;
+    }
+    const YAML::Node& written = *inv.find("model");
+    const std::string_view family = written.IsScalar() ? family_of(written.Scalar()) : std::string_view{};
+    if (!family.empty() && family != d.family && inv.has("family")) {
+      problems_.add(written, written.Scalar() + " of " + d.name + " is a model of family " + std::string(family) +
+                                 ", not " + d.family + ".");
+      return false;
+    }
+    const auto model = inv.word("model", models);
+    if (!model) return false;
+    d.model = {*model, position_of(written)};
+    d.family = family;
     return true;
+  }
+
+  // Empty: there is no such model.
+  std::string_view family_of(std::string_view model) const {
+    for (const std::string_view family : catalogue_.families())
+      if (contains(catalogue_.models(family), model)) return family;
+    return {};
   }
 
   void motor(const YamlMap& map, DriveSpec& d, bool model_known) {

@@ -8,13 +8,16 @@ namespace vinv::rig {
 namespace {
 
 PlantFile read(const std::string& text) { return parse_plant_file(text, "p.yaml", shipped_catalogue()); }
-std::string mistake(const std::string& board) {
+std::string mistakes(const std::string& text) {
   try {
-    read("drives:\n  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: " + board + "\n");
+    read(text);
   } catch (const PlantFileError& e) {
     return e.what();
   }
   return "";
+}
+std::string mistake(const std::string& board) {
+  return mistakes("drives:\n  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: " + board + "\n");
 }
 EthernetSpec ethernet(const std::string& board) {
   return *read("drives:\n  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: " + board + "\n")
@@ -77,29 +80,32 @@ TEST(EthernetPlantFile, MistakesAreToldWithPlaceAndWhatIsAllowed) {
   EXPECT_NE(mistake("{ link_partner: 100_ful }").find("Did you mean \"100_full\"?"), std::string::npos);
   EXPECT_NE(mistake("{ timing: slow }").find("allowed: real, fast."), std::string::npos);
   EXPECT_NE(mistake("{ type: oi-fr-e5nco }").find("does not fit family fr-a700"), std::string::npos);
-  try {
-    read("drives:\n  - board: { address: 127.0.0.2, connector: 2 }\n");
-    FAIL();
-  } catch (const PlantFileError& e) {
-    EXPECT_STREQ(e.what(),
-                 "p.yaml:2:14: address in board of drive_1 belongs to a board on Ethernet; oi-fr-e5nco is none.\n"
-                 "p.yaml:2:34: connector in board of drive_1 belongs to a board of an inverter with several option "
-                 "connectors; oi-fr-e5nco is none.");
-  }
+  EXPECT_EQ(mistakes("drives:\n  - board: { address: 127.0.0.2, connector: 2 }\n"),
+            "p.yaml:2:14: address in board of drive_1 belongs to a board on Ethernet; oi-fr-e5nco is none.\n"
+            "p.yaml:2:34: connector in board of drive_1 belongs to a board of an inverter with several option "
+            "connectors; oi-fr-e5nco is none.");
 }
 
 TEST(EthernetPlantFile, TwoAdaptersCannotHaveOneAddress) {
-  try {
-    read(
-        "drives:\n  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: { address: 127.0.0.9 }\n"
-        "  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: { address: 127.0.0.9 }\n");
-    FAIL();
-  } catch (const PlantFileError& e) {
-    EXPECT_STREQ(
-        e.what(),
-        "p.yaml:5:23: address 127.0.0.9 of drive_2 is taken by drive_1; allowed: another one, each adapter has "
-        "its own.");
-  }
+  EXPECT_EQ(
+      mistakes("drives:\n  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: { address: 127.0.0.9 }\n"
+               "  - inverter: { family: fr-a700, model: FR-A740-1.5K }\n    board: { address: 127.0.0.9 }\n"),
+      "p.yaml:5:23: address 127.0.0.9 of drive_2 is taken by drive_1; allowed: another one, each adapter has its own.");
+}
+
+TEST(EthernetPlantFile, ModelSaysTheFamilyThatIsNotWritten) {
+  const PlantFile file =
+      read("drives:\n  - inverter: { model: FR-A740-2.2K }\n  - inverter: { model: FR-E520-0.2K }\n");
+  EXPECT_EQ(file.drives[0].family, "fr-a700");
+  EXPECT_EQ(file.drives[0].board->type.value, "fr-a7ne");
+  EXPECT_EQ(file.drives[0].motor.value.rated_power_w, 2200);
+  EXPECT_EQ(file.drives[1].family, "fr-e500");
+  EXPECT_EQ(mistakes("drives:\n  - inverter: { family: fr-a700, model: FR-E540-1.5K }\n"),
+            "p.yaml:2:41: FR-E540-1.5K of drive_1 is a model of family fr-e500, not fr-a700.");
+  EXPECT_TRUE(mistakes("drives:\n  - inverter: { model: FR-A740-2.2k }\n").ends_with("Did you mean \"FR-A740-2.2K\"?"));
+  const std::string with_family = mistakes("drives:\n  - inverter: { family: fr-a700, model: FR-A740-2.2k }\n");
+  EXPECT_TRUE(with_family.ends_with("Did you mean \"FR-A740-2.2K\"?"));
+  EXPECT_EQ(with_family.find("FR-E540"), std::string::npos);
 }
 
 }  // namespace

@@ -113,6 +113,12 @@ TEST_F(PlantTest, WhatADriveRefusesOfTheFileIsToldWithItsPlace) {
   EXPECT_EQ(told("drives:\n  - parameters:\n      Pr.7: 1\n      Pr.4000: 1\n"),
             "p.yaml:4:7: drive_1: there is no parameter Pr.4000.");
   EXPECT_EQ(told("drives:\n  - parameters: { Pr.7: 9999 }\n"), "p.yaml:2:19: drive_1: Pr.7 allows 0 to 3600.");
+  EXPECT_EQ(told("drives:\n  - parameters: { Pr.7: 9999, Pr.4000: 1 }\n    terminals: { STG: on }\n"
+                 "  - board: { node: 3 }\n    analog: { 9: 5 }\n"),
+            "p.yaml:2:19: drive_1: Pr.7 allows 0 to 3600.\n"
+            "p.yaml:2:31: drive_1: there is no parameter Pr.4000.\n"
+            "p.yaml:3:18: drive_1: there is no terminal STG. Did you mean \"STF\"?\n"
+            "p.yaml:5:15: drive_2: there is no analog terminal 9.");
   EXPECT_EQ(told("drives:\n  - board: { node: 100 }\n"), "p.yaml:2:20: drive_1: node 100; allowed: 1 to 99.");
 }
 
