@@ -46,23 +46,30 @@ ENGINE_PARTS = ("sim/base", "motor_model", "option_boards")
 OS_HEADER = re.compile(
     r"^(asio([./].*)?|boost/.*|sys/.*|netinet/.*|arpa/.*|net/.*|linux/.*|unistd\.h|fcntl\.h|poll\.h|termios\.h|pty\.h|"
     r"pthread\.h|signal\.h|csignal|netdb\.h|ifaddrs\.h|time\.h|ctime|thread|mutex|shared_mutex|condition_variable|future|"
-    r"semaphore|stop_token|barrier|latch|fstream|filesystem|pcap.*|modbus.*)$")
+    r"semaphore|stop_token|barrier|latch|fstream|iostream|filesystem|pcap.*|modbus.*)$")
 CLOCK = re.compile(
     r"\b(steady_clock|system_clock|high_resolution_clock|gettimeofday|clock_gettime|sleep_for|sleep_until|usleep|nanosleep|"
     r"random_device|getenv)\b|\bstd::(rand|time|clock)\b")
+CONSOLE_OR_FILE = re.compile(r"\bstd::c(out|err|log|in)\b|\b(v?f?printf|f?puts|putchar|fopen|fwrite|popen|system)\(")
+PRINTS = ("sim/base/check.cpp",)  # the last words of a broken invariant
 SUNDIALS_HEADER = re.compile(
     r"^(sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol|sunmemory)/")
 SOLVER_SOURCE = re.compile(r"^motor_model/plant/solver/([^/]+\.cpp|sundials_[^/]+\.hpp)$")
 THIRD_PARTY_FREE = "sim/base"  # standard library only
 
 # Spelled with a class each, so that this file does not contain what it looks for.
-UNFINISHED = re.compile(r"\b(TO[D]O|FIX[M]E|X[X]X|HAC[K]|not implemente[d]|unimplemente[d])\b|GTEST_SKI[P]|\bDISABLE[D]_")
+UNFINISHED = re.compile(r"\b(TO[D]O|FIX[M]E|X[X]X|HAC[K]|[Ww][Ii][Pp]|not implemente[d]|unimplemente[d])\b|GTEST_SKI[P]|\bDISABLE[D]_")
 PLACEHOLDER = re.compile(r"\bplace[h]older\b", re.IGNORECASE)
-OUTSIDE = re.compile(r"(?<![\w.$}/*])/(work|farm|Users|root)/\w|\.\./share[d]|/tm[p]/wt\b")
+OUTSIDE = re.compile(r"(?<![\w.$}/*])/(work|farm|Users|root)/\w|\.\./share[d]|/tm[p]/wt\b|"
+                     r"\b(registry\.(npmjs|yarnpkg)|pypi\.or[g]|deb\.debian\.or[g]|crates\.i[o])\b")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 TEST_NAME = re.compile(r"^\s*(?:TEST|TEST_F|TEST_P|TYPED_TEST)\(\s*(\w+)\s*,\s*(\w+)\s*\)")
-FAMILY_BRANCH = re.compile(r'\bfamily\w*(?:\(\))?\s*[!=]=\s*"|"\s*[!=]=\s*\w*family\b')
+FAMILY_BRANCH = re.compile(r'\bfamily\w*(?:\(\))?\s*[!=]=\s*"|"\s*[!=]=\s*\w*family\b|'
+                           r'[!=]=\s*"(?:fr|oi)-|"(?:fr|oi)-[\w-]+"\s*[!=]=')
 FAMILY_BLIND = ("sim", "motor_model/drive", "motor_model/plant", "motor_model/port", "option_boards")
+# Masters and clients that judge the product from outside.
+STRANGERS = ("tests/conformance/", "tests/support/")
+KNOWN_TO_STRANGERS = ("tests/", "sim/base/")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
@@ -107,6 +114,8 @@ def check_include(path, system, header, files):
             yield "include", f"{header}: write the path from the root of the repository, of a file that exists"
         return
     target = part_of(header)
+    if path.startswith(STRANGERS) and not header.startswith(KNOWN_TO_STRANGERS):
+        yield "stranger", f"{header}: what judges the product from outside shares no code with it"
     if part.split("/")[0] == "tests" or (part in SEE_EVERYTHING and path.startswith("tools/")):
         return
     if target != part and target not in reachable(part):
@@ -132,6 +141,8 @@ def check_code(path, lines, files):
         code = strip_comments(line)
         if engine and (clock := CLOCK.search(code)):
             yield number, "clock", f"{clock.group(0)}: time and chance are arguments here"
+        if engine and path not in PRINTS and (words := CONSOLE_OR_FILE.search(code)):
+            yield number, "console", f"{words.group(0)}: engines and models neither print nor open files"
         if path.startswith(tuple(p + "/" for p in FAMILY_BLIND)) and FAMILY_BRANCH.search(code):
             yield number, "family", "shared code does not ask which family it serves"
         test = TEST_NAME.match(line)
