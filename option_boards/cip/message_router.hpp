@@ -33,7 +33,6 @@ class MessageRouter {
   // Serves the classes first to last; ranges do not overlap. The object outlives the router.
   void add(std::uint16_t first_class, std::uint16_t last_class, Object& object);
   void add(std::uint16_t class_id, Object& object) { add(class_id, class_id, object); }
-  bool has_class(std::uint16_t class_id) const { return find(class_id) != nullptr; }
   // In order of their numbers; of a range each class.
   std::vector<std::uint16_t> classes() const;
 

@@ -54,7 +54,6 @@ class EipScanner {
   bool io_open() const { return state_.io == Io::kOpen; }
   // Open, or to be opened again.
   bool io_wanted() const { return state_.wanted; }
-  const IoWish& io_wish() const { return state_.wish; }
 
   // The output image, as long as the wish says; sent with the next packets.
   Bytes& output() { return state_.output; }

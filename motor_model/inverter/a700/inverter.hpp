@@ -11,6 +11,7 @@
 #include "motor_model/inverter/a700/du07.hpp"
 #include "motor_model/inverter/a700/motor_settings.hpp"
 #include "motor_model/inverter/a700/operation_mode.hpp"
+#include "motor_model/inverter/a700/parameter_numbers.hpp"
 #include "motor_model/inverter/a700/supply.hpp"
 #include "motor_model/inverter/a700/tables.hpp"
 #include "motor_model/inverter/mitsubishi/inverter.hpp"
@@ -145,7 +146,7 @@ class A700Inverter final : public mitsubishi::MitsubishiInverter {
   TuningNumbers tuning_numbers() const override;
   void link_parameters(unsigned number, Storage storage) override;
   bool in_user_group(unsigned number) const override;
-  bool network_commands() const override { return option_works() && store_.value(550) != 1; }
+  bool network_commands() const override { return option_works() && store_.value(pr::kNetworkOwner) != 1; }
   std::optional<std::string> panel_commands() const override;
   port::WriteOutcome decide_family(const port::WriteRequest& request) override;
   port::WriteOutcome decide_reset(const port::WriteRequest& request) override;

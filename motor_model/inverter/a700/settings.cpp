@@ -48,10 +48,10 @@ void set_pattern(drive::DriveSettings& s, const ParameterStore& p, const Setting
       break;
     case 4: {
       // X20 chooses the second pair.
-      const unsigned up = (selection.variant & kSecondSPattern) != 0 ? pr::kSPattern2Up : pr::kSPattern1Up;
+      const bool second = (selection.variant & kSecondSPattern) != 0;
       s.ramp_pattern = drive::RampPattern::kSCurveC;
-      s.s_time_acceleration_s = s.acceleration_s * p.value(up) / 100;
-      s.s_time_deceleration_s = s.deceleration_s * p.value(up + 1) / 100;
+      s.s_time_acceleration_s = s.acceleration_s * p.value(second ? pr::kSPattern2Up : pr::kSPattern1Up) / 100;
+      s.s_time_deceleration_s = s.deceleration_s * p.value(second ? pr::kSPattern2Down : pr::kSPattern1Down) / 100;
       break;
     }
     case 5:
@@ -141,7 +141,7 @@ constexpr double kContactCarrier_hz = 3;  // output frequency up to which Pr.276
 SettingsSelection A700Inverter::selection(const mitsubishi::Inputs& in) const {
   const bool jog = jogging();
   // Pr.155 = 10: RT and X9 act only at constant speed.
-  const bool reflected = store_.integer(155) == 0 || core_.outputs().state == drive::RunState::kConstant;
+  const bool reflected = store_.integer(pr::kReflectionTime) == 0 || core_.outputs().state == drive::RunState::kConstant;
   SettingsSelection s{.second = in.signals.has(InputSignal::kRt) && !jog,
                       .third = in.signals.has(InputSignal::kX9) && !jog,
                       .jog = jog,

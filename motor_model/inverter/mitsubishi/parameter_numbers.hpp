@@ -25,7 +25,6 @@ enum : unsigned {
   kHighSpeedMaximum = 18,
   kBaseVoltage = 19,
   kRampReference = 20,
-  kTimeIncrement = 21,
   kStallLevel = 22,
   kStallDoubleSpeed = 23,
   kSpeed4 = 24,
