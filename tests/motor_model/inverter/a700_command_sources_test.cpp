@@ -1,23 +1,13 @@
 // Every row of the command source table of FR-A7NE manual 4.4 (data/a700_command_sources_reference.csv).
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "motor_model/inverter/a700/command_sources.hpp"
 #include "motor_model/inverter/a700/tables.hpp"
 #include "motor_model/inverter/csv.hpp"
+#include "tests/motor_model/inverter/reference_rows.hpp"
 
 namespace vinv::inverter::a700 {
 namespace {
-
-CsvTable reference() {
-  std::ifstream in(std::string(VINV_SOURCE_DIR) +
-                   "/tests/motor_model/inverter/data/a700_command_sources_reference.csv");
-  std::stringstream text;
-  text << in.rdbuf();
-  return *parse_csv(text.str());
-}
 
 Source source_of(const std::string& word) {
   if (word == "NET") return Source::kNetwork;
@@ -29,7 +19,7 @@ Source source_of(const std::string& word) {
 }
 
 TEST(CommandSources, EveryRowActsAsPrinted) {
-  const CsvTable table = reference();
+  const CsvTable table = reference("a700_command_sources_reference.csv");
   CsvReader in(table);
   ASSERT_EQ(in.size(), 50u);
   int signals = 0;

@@ -2,28 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "motor_model/inverter/a700/tables.hpp"
 #include "motor_model/inverter/access_rules.hpp"
 #include "motor_model/inverter/csv.hpp"
 #include "motor_model/inverter/parameter_store.hpp"
+#include "tests/motor_model/inverter/reference_rows.hpp"
 
 namespace vinv::inverter {
 namespace {
 
 using testing::HasSubstr;
-
-CsvTable reference(const std::string& name) {
-  std::ifstream in(std::string(VINV_SOURCE_DIR) + "/tests/motor_model/inverter/data/" + name);
-  std::stringstream text;
-  text << in.rdbuf();
-  auto table = parse_csv(text.str());
-  EXPECT_TRUE(table.has_value()) << name;
-  return *table;
-}
 
 const ParameterTable& table() { return a700::family_data().parameters; }
 const ParameterRow& row(unsigned number, unsigned sub = 0) {

@@ -2,26 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "motor_model/inverter/csv.hpp"
 #include "motor_model/inverter/e500/inverter.hpp"
+#include "tests/motor_model/inverter/reference_rows.hpp"
 
 namespace vinv::inverter {
 namespace {
 
 using testing::HasSubstr;
-
-CsvTable reference(const std::string& name) {
-  std::ifstream in(std::string(VINV_SOURCE_DIR) + "/tests/motor_model/inverter/data/" + name);
-  std::stringstream text;
-  text << in.rdbuf();
-  auto table = parse_csv(text.str());
-  EXPECT_TRUE(table.has_value()) << name;
-  return *table;
-}
 
 TEST(ParameterTable, EveryReferenceRowIsCarriedWithRangeDefaultAndAccess) {
   const CsvTable table = reference("e500_parameters_reference.csv");

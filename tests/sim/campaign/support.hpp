@@ -5,12 +5,11 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "sim/campaign/campaign_file.hpp"
 #include "sim/campaign/campaign_run.hpp"
+#include "tests/support/read_file.hpp"
 
 namespace vinv::campaign {
 
@@ -70,12 +69,7 @@ struct Folder {
   std::string operator/(const std::string& name) const { return (path / name).string(); }
 };
 
-inline std::string content(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return out.str();
-}
+inline std::string content(const std::string& path) { return vinv::test::read_file(path); }
 
 inline CampaignRunOptions run_options(const Folder& folder) {
   CampaignRunOptions options;

@@ -5,10 +5,9 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "sim/rig/folders.hpp"
+#include "tests/support/read_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace vinv::rig {
@@ -18,12 +17,7 @@ namespace fs = std::filesystem;
 
 class EepromStoreTest : public testing::Test {
  protected:
-  static std::string read(const std::string& path) {
-    std::ifstream in(path);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-  }
+  static std::string read(const std::string& path) { return vinv::test::read_file(path); }
   const TemporaryFolder temporary_;
   const std::string folder_ = temporary_.path();
 };

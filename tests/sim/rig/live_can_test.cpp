@@ -7,11 +7,10 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "sim/rig/live_plant.hpp"
+#include "tests/support/read_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace vinv::rig {
@@ -265,10 +264,7 @@ TEST_F(LiveCanTest, RecordingsHoldWhatPassed) {
     master.say(kReadType);
     master.hear("43001000920101");
   });
-  std::ifstream in(folder_ + "/all.log");
-  std::ostringstream text_of_log;
-  text_of_log << in.rdbuf();
-  const std::string log = text_of_log.str();
+  const std::string log = vinv::test::read_file(folder_ + "/all.log");
   for (const char* text : {" line 705#00\n", " line 605#4000100000000000\n", " line 585#43001000920101"})
     EXPECT_NE(log.find(text), std::string::npos) << text << log;
   EXPECT_GT(fs::file_size(folder_ + "/line.pcapng"), 200u);

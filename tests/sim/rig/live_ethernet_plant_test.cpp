@@ -2,11 +2,11 @@
 // restarts, recordings. Addresses depend on the process: others may run the same tests.
 #include <cstdio>
 #include <fstream>
-#include <sstream>
 
 #include "sim/base/ipv4.hpp"
 #include "tests/sim/rig/live_plant_bench.hpp"
 #include "tests/support/eip_scanner.hpp"
+#include "tests/support/read_file.hpp"
 
 namespace vinv::rig {
 namespace {
@@ -81,10 +81,9 @@ TEST_F(LiveEthernetPlant, FlashMemoryLastsOverRestartsAndADamagedOneIsKeptAside)
   });
   serve(plant(), [&](LivePlant&, const Json&) { EXPECT_EQ(name(), named); });
   const std::string file = folder_ + "/state/d1.flash";
-  std::ostringstream whole;
-  whole << std::ifstream(file).rdbuf();
-  EXPECT_NE(whole.str().find("host_name = m1"), std::string::npos);
-  const std::string damaged = whole.str().substr(0, 60);
+  const std::string whole = vinv::test::read_file(file);
+  EXPECT_NE(whole.find("host_name = m1"), std::string::npos);
+  const std::string damaged = whole.substr(0, 60);
   std::ofstream(file, std::ios::trunc) << damaged;
   notices_.clear();
   serve(plant(", flash: { host_name: m1 }"), [&](LivePlant&, const Json&) { EXPECT_EQ(name(), named); });

@@ -1,8 +1,8 @@
 // A live plant of this machine's sockets and pseudo-terminals; clients are plain sockets on a thread of their own.
 #include <fstream>
-#include <sstream>
 
 #include "tests/sim/rig/live_plant_bench.hpp"
+#include "tests/support/read_file.hpp"
 
 namespace vinv::rig {
 namespace {
@@ -87,9 +87,7 @@ TEST_F(LivePlantTest, ParametersLastOverARestartUntilAFreshOne) {
 TEST_F(LivePlantTest, DamagedEepromsAreKeptAsideAndRaiseTheStorageAlarm) {
   serve(kPlant, [](LivePlant&, const Json&) {});
   const std::string file = folder_ + "/state/a.eeprom";
-  std::ostringstream whole;
-  whole << std::ifstream(file).rdbuf();
-  const std::string good = whole.str();
+  const std::string good = vinv::test::read_file(file);
   ASSERT_GT(good.size(), 100u);
   std::string flipped = good;
   flipped[good.size() / 2] = static_cast<char>(flipped[good.size() / 2] ^ 4);
@@ -104,9 +102,7 @@ TEST_F(LivePlantTest, DamagedEepromsAreKeptAsideAndRaiseTheStorageAlarm) {
       EXPECT_EQ(s["result"]["endpoints"][0]["unit"], 5) << "masters find the drive where they look for it";
     });
     const std::string aside = file + ".damaged-" + std::to_string(++n);
-    std::ostringstream kept;
-    kept << std::ifstream(aside).rdbuf();
-    EXPECT_EQ(kept.str(), damaged);
+    EXPECT_EQ(vinv::test::read_file(aside), damaged);
     ASSERT_EQ(notices_.size(), 1u);
     EXPECT_NE(notices_[0].find(aside), std::string::npos) << notices_[0];
   }

@@ -6,21 +6,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "tests/sim/scenario/support.hpp"
+#include "tests/support/read_file.hpp"
 
 namespace vinv::scenario {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 TEST(BrokenFiles, EachIsRefusedWithItsMessages) {
   std::vector<fs::path> files;
@@ -41,7 +34,7 @@ TEST(BrokenFiles, EachIsRefusedWithItsMessages) {
     fs::path expected = file;
     expected.replace_extension(".txt");
     if (std::getenv("VINV_UPDATE") != nullptr) std::ofstream(expected) << said;
-    EXPECT_EQ(said, text_of(expected)) << file;
+    EXPECT_EQ(said, test::read_file(expected)) << file;
     EXPECT_NE(said, "accepted\n") << file;
   }
   fs::current_path(before);

@@ -3,9 +3,7 @@
 
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,6 +13,7 @@
 #include "sim/transports/tcp_listener.hpp"
 #include "tests/sim/transports/blocking_socket.hpp"
 #include "tests/sim/transports/loop_thread.hpp"
+#include "tests/support/read_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace vinv::transports {
@@ -30,13 +29,6 @@ std::string tshark(const std::string& arguments) {
   for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
   EXPECT_EQ(::pclose(pipe), 0) << command;
   return out;
-}
-
-std::string read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return out.str();
 }
 
 // Modbus/TCP: read one register of unit 1, then write it; the same as RTU frames with their CRC.
@@ -96,9 +88,9 @@ TEST(IpRecorder, TwoRecordingsOfOneRunAreByteIdentical) {
   const TemporaryFolder folder;
   converse(folder / "a.pcapng");
   converse(folder / "b.pcapng");
-  const std::string a = read_file(folder / "a.pcapng");
+  const std::string a = test::read_file(folder / "a.pcapng");
   EXPECT_GT(a.size(), 1000u);
-  EXPECT_EQ(a, read_file(folder / "b.pcapng"));
+  EXPECT_EQ(a, test::read_file(folder / "b.pcapng"));
 }
 
 TEST(IpRecorder, ManyRealConnectionsShareOneFile) {

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include "tests/sim/scenario/report/sample_run.hpp"
+#include "tests/support/read_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace vinv::scenario {
@@ -25,12 +25,8 @@ class ReportFolderTest : public ::testing::Test {
   std::string folder(const std::string& name) const { return root_ + "/" + name; }
   static std::map<std::string, std::string> content(const std::string& path) {
     std::map<std::string, std::string> files;
-    for (const auto& entry : fs::directory_iterator(path)) {
-      std::ifstream in(entry.path(), std::ios::binary);
-      std::ostringstream text;
-      text << in.rdbuf();
-      files[entry.path().filename().string()] = text.str();
-    }
+    for (const auto& entry : fs::directory_iterator(path))
+      files[entry.path().filename().string()] = test::read_file(entry.path());
     return files;
   }
   static std::vector<std::string> names(const std::string& path) {

@@ -7,10 +7,10 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <sstream>
 
 #include "sim/transports/can/can_bridge.hpp"
 #include "tests/sim/transports/can/bus_fixture.hpp"
+#include "tests/support/read_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace vinv::transports {
@@ -26,12 +26,7 @@ std::string output_of(const std::string& command) {
   return out;
 }
 
-std::string content(const std::string& path) {
-  std::ifstream in(path);
-  std::stringstream s;
-  s << in.rdbuf();
-  return s.str();
-}
+std::string content(const std::string& path) { return test::read_file(path); }
 
 CanFrame extended(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) {
   CanFrame f = CanFrame::standard(id, bytes);
