@@ -40,9 +40,11 @@ int connect_to(const std::string& path) {
 }  // namespace
 
 ControlClient::ControlClient(const std::string& socket_path) : fd_(connect_to(socket_path)) {
-  if (fd_ < 0)
-    throw std::runtime_error("no plant answers at " + socket_path + ": " + std::strerror(errno) +
-                             ". `vinverter run` starts one.");
+  if (fd_ >= 0) return;
+  if (errno == EACCES)
+    throw std::runtime_error(socket_path + " may not be used: only who runs a plant may command it.");
+  throw std::runtime_error("no plant answers at " + socket_path + ": " + std::strerror(errno) +
+                           ". `vinverter run` starts one.");
 }
 
 ControlClient::~ControlClient() { ::close(fd_); }

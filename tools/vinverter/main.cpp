@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kFooter = R"(
 Examples:
-  vinverter run                                 the demo plant: conveyor, fan, centrifuge
+  vinverter run                                 the demo plant: conveyor, fan, centrifuge, mixer
   vinverter run my_plant.yaml --ready-file r    r appears when everything listens
   vinverter schema > plant.schema.json          the plant file's schema, for an editor
   vinverter ctl list                            drives of the running plant, and where they are reached
