@@ -80,15 +80,31 @@ BAD = [
 ]
 
 
+def write(root, files):
+    for path, content in files.items():
+        full = os.path.join(root, path)
+        os.makedirs(os.path.dirname(full), exist_ok=True)
+        with open(full, "wb") as f:
+            f.write(content if isinstance(content, bytes) else content.encode())
+
+
 class Tidy(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        write(cls.folder.name, CLEAN)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
     def findings(self, extra):
-        with tempfile.TemporaryDirectory() as root:
-            for path, content in {**CLEAN, **extra}.items():
-                full = os.path.join(root, path)
-                os.makedirs(os.path.dirname(full), exist_ok=True)
-                with open(full, "wb") as f:
-                    f.write(content if isinstance(content, bytes) else content.encode())
-            return [(path, rule) for path, _, rule, _ in tidy.check_tree(root)]
+        write(self.folder.name, extra)
+        try:
+            return [(path, rule) for path, _, rule, _ in tidy.check_tree(self.folder.name)]
+        finally:
+            for path in extra:
+                os.unlink(os.path.join(self.folder.name, path))
 
     def test_clean_tree_has_no_finding(self):
         self.assertEqual(self.findings({}), [])
