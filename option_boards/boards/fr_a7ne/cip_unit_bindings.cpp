@@ -394,6 +394,11 @@ struct CipUnit::Bindings {
     if (unit.line_error()) return answer(GeneralStatus::kObjectStateConflict);
     ExplicitJob job;
     if (type == 1) {
+      // Unspecified: the parts of an order that the inverter does not accept as a whole. Here nothing is cleared then.
+      constexpr std::uint32_t kOnlyWithAlarm = 1;  // the last bit of Pr.75, 0-3 and 14-17
+      if (!unit.network_mode()) return answer(GeneralStatus::kObjectStateConflict);
+      const bool needs_alarm = (unit.parameter_or(75, 0) & kOnlyWithAlarm) != 0;
+      if (needs_alarm && !unit.drive_.status().alarm) return answer(GeneralStatus::kDeviceStateConflict);
       job.add(request_of(Kind::kRestoreDefaults, 1));
       job.effect = Effect::kFlashClear;
       job.clears = true;

@@ -49,7 +49,7 @@ class FakeDrive final : public port::DrivePort {
   // What tests look at.
   std::vector<port::WriteRequest> posted;
   std::vector<port::WriteRequest> executed;
-  bool communication_lost = false;
+  bool communication_lost = false, option_failed = false;
 
   // A control tick of 1 ms.
   void tick() {
@@ -104,7 +104,7 @@ class FakeDrive final : public port::DrivePort {
     return taken;
   }
   void set_communication_lost(bool lost) override { communication_lost = lost; }
-  void set_option_failed(bool) override {}
+  void set_option_failed(bool failed) override { option_failed = failed; }
 
  private:
   const Parameter* find(port::ParameterId id) const {

@@ -97,5 +97,19 @@ TEST(FrA7neAssemblySelection, ParameterItselfIsNotWritable) {
   EXPECT_EQ(b.ask(kGetPr346), "00 04 03");
 }
 
+// 4.4: with Pr.338 = 1 and Pr.339 = 0 STF is the terminal's and RH is the network's; one must not keep the other away.
+TEST(FrA7neSources, StartBitThatIsTheTerminalsLeavesTheOtherSignalsAlone) {
+  A700OnEthernetIp b({{"Pr.346", 924}, {"Pr.338", 1}, {"Pr.4", 40}});
+  b.choose_long_pair("20 04 2C 81 2C B3");
+  ASSERT_EQ(b.own(), "00");
+  EXPECT_TRUE(b.inverter->set_terminal("STF", true));
+  b.say("61 10 84 03 00 00");
+  b.run(1s);
+  EXPECT_NEAR(b.hz(), 40, 0.1);
+  EXPECT_TRUE(b.inverter->set_terminal("STF", false));
+  b.run(1s);
+  EXPECT_FALSE(b.running());
+}
+
 }  // namespace
 }  // namespace vinv::boards::fr_a7ne

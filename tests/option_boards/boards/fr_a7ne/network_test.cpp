@@ -129,6 +129,55 @@ TEST_F(FrA7neNetwork, ModuleLedFollowsStartAndAlarm) {
   power(false);
   unit.handle_power(now, true);
   EXPECT_EQ(module_led(unit.led_situation()), "green and red flashing");
+  tick(499);
+  EXPECT_EQ(led(), "green and red flashing");
+  tick();
+  EXPECT_EQ(module_led(unit.led_situation()), "green") << "the inverter is not ready";
+  EXPECT_EQ(led(), "off") << "no address yet";
+  drive.is_ready = true;
+  tick();
+  EXPECT_EQ(module_led(unit.led_situation()), "green flashing");
+  drive.is_ready = false;
+  drive.parameters[540].value = 0;
+  power(false);
+  power(true);
+  drive.is_ready = true;
+  tick(600);
+  drive.is_ready = false;  // an inverter reset that the option does not outlive
+  tick(2);
+  EXPECT_FALSE(unit.online());
+  EXPECT_EQ(module_led(unit.led_situation()), "green") << "the self-test is at power-on";
+}
+
+// 1.2 (1), "major fault", and 4.5.2.
+TEST_F(FrA7neNetwork, FailedOptionIsRedAndOffTheNetworkUntilTheNextStart) {
+  open_owner();
+  unit.take_restart();
+  unit.set_failed(now, true);
+  EXPECT_TRUE(drive.option_failed);
+  EXPECT_FALSE(drive.communication_lost);
+  EXPECT_TRUE(unit.take_restart());
+  EXPECT_FALSE(unit.on_network());
+  EXPECT_EQ(module_led(unit.led_situation()), "red");
+  EXPECT_EQ(led(), "green flashing") << "its connections are gone";
+  unit.set_failed(now, true);
+  EXPECT_FALSE(unit.take_restart()) << "only once";
+  unit.set_failed(now, false);
+  EXPECT_TRUE(drive.option_failed);
+  EXPECT_FALSE(unit.on_network());
+  const Bytes snapshot = save_snapshot(unit);
+  power(false);
+  EXPECT_FALSE(drive.option_failed);
+  power(true);
+  EXPECT_TRUE(unit.on_network());
+  EXPECT_EQ(module_led(unit.led_situation()), "green flashing");
+  ASSERT_TRUE(load_snapshot(unit, snapshot).has_value());
+  EXPECT_FALSE(unit.on_network());
+  power(false);
+  unit.set_failed(now, true);
+  power(true);
+  EXPECT_TRUE(drive.option_failed);
+  EXPECT_FALSE(unit.on_network());
 }
 
 TEST_F(FrA7neNetwork, AddressThatSomebodyHasIsFoundAtTheStart) {

@@ -222,12 +222,21 @@ TEST_F(FrA7neWrites, IdentityResetOneClearsParametersAndFlash) {
 }
 
 TEST_F(FrA7neWrites, IdentityResetOneThatIsRefusedResetsNothing) {
-  drive.mode = port::OperationMode::kExternal;
+  drive.refuse_decision = port::Refusal::kWriteDisabled;
   EXPECT_EQ(request("05 02 20 01 24 01 01"), "later");
   tick(2);
   EXPECT_EQ(poll(), "0C");
   tick(6000);
   EXPECT_TRUE(drive.executed.empty());
+  drive.refuse_decision.reset();
+  drive.mode = port::OperationMode::kExternal;
+  EXPECT_EQ(request("05 02 20 01 24 01 01"), "0C");
+  drive.mode = port::OperationMode::kNetwork;
+  for (const unsigned pr75 : {1u, 3u, 15u, 17u}) {
+    drive.parameters[75] = {pr75, 0, 17};
+    EXPECT_EQ(request("05 02 20 01 24 01 01"), "10") << pr75;
+  }
+  EXPECT_TRUE(drive.posted.size() == 1);
 }
 
 TEST_F(FrA7neWrites, SnapshotContinuesInTheMiddleOfAClear) {
