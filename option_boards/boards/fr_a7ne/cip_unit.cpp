@@ -33,7 +33,6 @@ void CipUnit::restart() {
   const bool address_conflict = state_.address_conflict;
   const bool was_started = state_.started;
   const bool broken = state_.broken;
-  const Instant supplied_at = state_.supplied_at;
   DriveLink link = state_.link;
   link.clear();
   state_ = {};
@@ -44,7 +43,6 @@ void CipUnit::restart() {
   state_.address_conflict = address_conflict;
   state_.started = was_started;
   state_.broken = broken;
-  state_.supplied_at = supplied_at;
   state_.restarted = true;
   state_.supply = Supply::kStarting;
   router_.forget_all();

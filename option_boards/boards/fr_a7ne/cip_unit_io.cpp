@@ -246,7 +246,7 @@ void CipUnit::fill_input(Instant now, std::uint32_t instance, std::span<std::uin
   out[1] = 0;
   word(2, speed_actual());
   if (instance == kInput176) {
-    if (state_.parameter_write || state_.link.explicit_busy(now)) out[1] = kParameterEnd;
+    if (state_.link.explicit_busy(now)) out[1] = kParameterEnd;
     word(4, parameter_read_data());
   } else if (instance == kInput179) {
     // The monitor begins with STF and STR.

@@ -72,7 +72,6 @@ void CipUnit::on_connection(Instant, const cip::IoConnection& connection, cip::I
   count(tally(connection.role), event);
   if (connection.role != cip::IoRole::kExclusiveOwner) return;
   if (event == cip::IoEvent::kOpened) state_.acted_before = false;  // whatever comes first is new
-  if (event == cip::IoEvent::kClosed) return;
   state_.owner_timed_out = event == cip::IoEvent::kTimedOut;
   report_line_error();
 }
@@ -83,7 +82,7 @@ LedSituation CipUnit::led_situation() const {
   s.self_test = self_tests();
   s.initializing = !drive_.ready();
   s.major_fault = state_.broken || state_.failed;
-  s.minor_fault = online() && drive_.status().alarm;
+  s.minor_fault = drive_.status().alarm;
   s.has_address = online() && state_.network.ip.address != 0;
   s.duplicate_address = state_.duplicate_address;
   for (const ConnectionTally& of_kind : state_.connections) {

@@ -165,6 +165,7 @@ TEST_F(FrA7neNetwork, FailedOptionIsRedAndOffTheNetworkUntilTheNextStart) {
   unit.set_failed(now, false);
   EXPECT_TRUE(drive.option_failed);
   EXPECT_FALSE(unit.on_network());
+  EXPECT_EQ(module_led(unit.led_situation()), "red");
   const Bytes snapshot = save_snapshot(unit);
   power(false);
   EXPECT_FALSE(drive.option_failed);
@@ -178,7 +179,56 @@ TEST_F(FrA7neNetwork, FailedOptionIsRedAndOffTheNetworkUntilTheNextStart) {
   power(true);
   EXPECT_TRUE(drive.option_failed);
   EXPECT_FALSE(unit.on_network());
+  // Mended before it has started.
+  drive.is_ready = false;
+  power(false);
+  unit.set_failed(now, false);
+  power(true);
+  unit.set_failed(now, true);
+  EXPECT_EQ(module_led(unit.led_situation()), "red");
+  unit.set_failed(now, false);
+  drive.is_ready = true;
+  tick();
+  EXPECT_TRUE(unit.on_network());
 }
+
+TEST_F(FrA7neNetwork, WhoLeavesTheNetworkAnswersNobody) {
+  drive.ticks_to_decide = 3;
+  EXPECT_EQ(request(set_request(0x66, 1, 17, "14 00")), "later");
+  unit.set_failed(now, true);
+  tick(5);
+  EXPECT_EQ(poll(), "");
+}
+
+TEST_F(FrA7neNetwork, SupplyThatIsThereAlreadyChangesNothing) {
+  unit.take_restart();
+  unit.handle_power(now, true);
+  EXPECT_FALSE(unit.take_restart());
+  EXPECT_TRUE(unit.online());
+}
+
+// An inverter that resets right after the start.
+TEST_F(FrA7neNetwork, ResetIsSeenFromTheFirstTickOn) {
+  power(false);
+  unit.handle_power(now, true);
+  ASSERT_TRUE(unit.online());
+  drive.is_ready = false;
+  tick(2);
+  EXPECT_FALSE(unit.online());
+}
+
+TEST_F(FrA7neNetwork, IdentityStateFollowsStartAndAddress) {
+  EXPECT_EQ(unit.identity_state(), cip::IdentityState::kOperational);
+  power(false);
+  drive.is_ready = false;
+  power(true);
+  EXPECT_EQ(unit.identity_state(), cip::IdentityState::kSelfTesting);
+  drive.is_ready = true;
+  drive.parameters[540].value = 3;
+  tick();
+  EXPECT_EQ(unit.identity_state(), cip::IdentityState::kStandby);
+}
+
 
 TEST_F(FrA7neNetwork, AddressThatSomebodyHasIsFoundAtTheStart) {
   power(false);
@@ -208,6 +258,8 @@ TEST_F(FrA7neNetwork, ConflictThatComesLaterEndsTheConnections) {
   open_owner();
   unit.set_address_conflict(now, true);
   EXPECT_TRUE(unit.take_restart());
+  unit.set_address_conflict(now, true);
+  EXPECT_FALSE(unit.take_restart()) << "only once";
   EXPECT_EQ(led(), "red");
   EXPECT_EQ(get(1, 1, 5).substr(0, 5), "00 00");
   EXPECT_TRUE(drive.communication_lost) << "the owner's data stays away";
