@@ -25,7 +25,7 @@ void CipUnit::set_address_conflict(Instant, bool conflict) {
 
 // To be found it takes an address and a link, at the start or later.
 void CipUnit::look_for_duplicate() {
-  if (!state_.address_conflict || state_.duplicate_address || !on_network()) return;
+  if (!state_.address_conflict || !on_network()) return;
   state_.duplicate_address = true;
   // Its connections end without a word, so the owner's data stays away.
   if (tally(cip::IoRole::kExclusiveOwner).open > 0) state_.owner_timed_out = true;
