@@ -100,6 +100,10 @@ class OptionBoard {
   // Rotary or DIP switches by their printed name ("SW1"); sampled as the manual says. Refusal: a sentence.
   virtual Result<void, std::string> set_switch(std::string_view name, unsigned value) = 0;
 
+  // A fault of the board itself: its network is silent and the inverter is told. Of boards that can.
+  virtual bool can_fail() const { return false; }
+  virtual void set_failed(Instant /*now*/, bool /*failed*/) {}
+
   // Channels; nullptr where the board has none.
   virtual modbus::Unit* modbus_unit() { return nullptr; }
   virtual SerialChannel* serial_channel() { return nullptr; }

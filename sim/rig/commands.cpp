@@ -299,12 +299,26 @@ Json motor(const Context& c) {
   return word;
 }
 
+constexpr std::string_view kBoardFault = "option_failure";
+
+Words faults_of(const DriveUnit& drive) {
+  Words words = drive.inverter->injectable_faults();
+  if (drive.board && drive.board->can_fail()) words.push_back(kBoardFault);
+  return words;
+}
+
 Json fault(const Context& c) {
-  const Words known = c.inverter().injectable_faults();
+  const Words known = faults_of(c.drive);
   Json map = c.value;
   if (map.is_string()) map = Json{{map.get<std::string>(), "on"}};
   map_of(map, known, "fault", "{E.PE: on} or a cause as {earth_fault: on}");
-  for (const auto& [name, on] : map.items()) demand(c.inverter().inject_fault(name, switch_of(on, "fault " + name)));
+  for (const auto& [name, value] : map.items()) {
+    const bool on = switch_of(value, "fault " + name);
+    if (name == kBoardFault)
+      c.drive.board->set_failed(c.plant.now(), on);
+    else
+      demand(c.inverter().inject_fault(name, on));
+  }
   return map;
 }
 
@@ -445,7 +459,7 @@ Json names(const Context& c) {
   for (const auto& [name, on] : c.inverter().terminals()) out["terminals"].push_back(name);
   for (const auto name : c.inverter().analog_terminals())
     out["analog"].push_back(std::string(name) + " (" + std::string(analog_unit(c.inverter().family(), name)) + ")");
-  for (const auto name : c.inverter().injectable_faults()) out["faults"].push_back(name);
+  for (const auto name : faults_of(c.drive)) out["faults"].push_back(name);
   for (const Key& k : kKeys) out["keys"].push_back(k.word);
   return out;
 }

@@ -12,6 +12,11 @@ void Board::handle_drive_tick(Instant now) {
   unit_.handle_drive_tick(now);
 }
 
+void Board::set_failed(Instant now, bool failed) {
+  state_.now = now;
+  unit_.set_failed(now, failed);
+}
+
 void Board::plug(Instant now, bool plugged) {
   state_.now = now;
   state_.plugged = plugged;

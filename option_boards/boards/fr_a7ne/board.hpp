@@ -31,6 +31,8 @@ class Board final : public OptionBoard, private EthernetChannel {
   void handle_timeout(Instant now) override { unit_.handle_timeout(now); }
   std::optional<Instant> next_deadline() const override { return unit_.next_deadline(); }
   Result<void, std::string> set_switch(std::string_view name, unsigned value) override;
+  bool can_fail() const override { return true; }
+  void set_failed(Instant now, bool failed) override;
   EthernetChannel* ethernet_channel() override { return this; }
   std::string_view status_led() const override { return network_led(situation()); }
   // MS, NS and LINK/ACT.
@@ -43,7 +45,7 @@ class Board final : public OptionBoard, private EthernetChannel {
   cip::Device& cip_device() override { return unit_; }
   bool take_restart() override { return unit_.take_restart(); }
   std::uint32_t address() const override {
-    return unit_.online() && !unit_.duplicate_address() ? unit_.network().ip.address : 0;
+    return unit_.online() && !unit_.duplicate_address() && !unit_.failed() ? unit_.network().ip.address : 0;
   }
   void set_duplicate_address(bool duplicate) override { unit_.set_address_conflict(state_.now, duplicate); }
   bool has_link() const override { return unit_.online() && unit_.has_link(); }

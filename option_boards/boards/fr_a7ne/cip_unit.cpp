@@ -9,6 +9,7 @@ namespace vinv::boards::fr_a7ne {
 namespace {
 
 constexpr std::uint16_t kFirstAddressParameter = 434;
+constexpr std::uint8_t kOptionAlarm = 0xF3;  // E.3
 
 }  // namespace
 
@@ -18,6 +19,7 @@ void CipUnit::handle_power(Instant now, bool on) {
   if (on == (state_.supply != Supply::kOff)) return;
   state_.now = now;
   restart();
+  state_.supplied_at = now;
   state_.started = false;
   state_.supply = on ? Supply::kStarting : Supply::kOff;
   if (on) start();
@@ -30,6 +32,7 @@ void CipUnit::restart() {
   const bool link_down = state_.link_down;
   const bool address_conflict = state_.address_conflict;
   const bool was_started = state_.started;
+  const bool broken = state_.broken;
   DriveLink link = state_.link;
   link.clear();
   state_ = {};
@@ -39,10 +42,12 @@ void CipUnit::restart() {
   state_.link_down = link_down;
   state_.address_conflict = address_conflict;
   state_.started = was_started;
+  state_.broken = broken;
   state_.restarted = true;
   state_.supply = Supply::kStarting;
   router_.forget_all();
   report_line_error();
+  drive_.set_option_failed(broken);
 }
 
 bool CipUnit::read_startup_parameters() {
@@ -71,6 +76,7 @@ void CipUnit::start() {
   state_.control_from_net_at_start = control_from_net();
   look_for_link();
   look_for_duplicate();
+  set_failed(state_.now, state_.broken);
 }
 
 void CipUnit::handle_drive_tick(Instant now) {
@@ -81,12 +87,13 @@ void CipUnit::handle_drive_tick(Instant now) {
   if (state_.supply != Supply::kOn) return;
   advance(now);
   const bool ready = drive_.ready();
-  if (state_.was_ready && !ready && !keeps_connections_over_reset(state_.startup.pr540)) {
-    // At the next tick: what the inverter has just decided is still answered.
-    state_.restart_due = true;
-  }
+  const bool reset = state_.was_ready && !ready;
+  // At the next tick: what the inverter has just decided is still answered. Bit 11 of Pr.540 does not count after E.3.
+  if (reset && (!keeps_connections_over_reset(state_.startup.pr540) || state_.option_alarm)) state_.restart_due = true;
   state_.was_ready = ready;
-  if (!network_mode()) {
+  if (ready) state_.option_alarm = drive_.active_alarm() == kOptionAlarm;
+  // The inverter has forgotten what was on.
+  if (reset || !network_mode()) {
     state_.terminals = state_.wanted = {};
     state_.run = {};
   }

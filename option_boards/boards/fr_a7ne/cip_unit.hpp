@@ -47,6 +47,8 @@ struct PolledParameter {
 class CipUnit final : public cip::Device, public cip::IoPoints {
  public:
   static constexpr std::size_t kMostIoBytes = 6;
+  // Unspecified: how long the self-test at power-on lasts (1.2).
+  static constexpr Duration kSelfTest = std::chrono::milliseconds(500);
   // Unspecified: points that keep an input only or listen only connection open, and take no data.
   static constexpr std::uint32_t kInputOnlyPoint = 238;
   static constexpr std::uint32_t kListenOnlyPoint = 237;
@@ -71,13 +73,17 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   // The cable is plugged and the other end is alive. A link that was there and is lost is a line error (4.5.1); one
   // that has not been there since the start is not (chapter 8: the panel shows 0.00, the LED is off).
   void set_link(Instant now, bool up);
+  // A fault of the option itself (4.5.2): MS lights red, it leaves the network, and the inverter is told. Acts until the
+  // next start after it is mended.
+  void set_failed(Instant now, bool failed);
   // Somebody else has the option's address. It then leaves the network until the next start (1.2, chapter 8).
   void set_address_conflict(Instant now, bool conflict);
   bool has_link() const { return !state_.link_down && line().link; }
   bool duplicate_address() const { return state_.duplicate_address; }
+  bool failed() const { return state_.failed; }
   // The network can reach it: started, with an address of its own and a link.
   bool on_network() const;
-  // All that the unit knows of it: not a fault of the option itself, and not traffic.
+  // All that the unit knows of it: not traffic.
   LedSituation led_situation() const;
 
   // cip::Device
@@ -143,11 +149,15 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
     bool owner_timed_out = false, link_down = false;
     bool link_seen = false;  // since the start
     bool address_conflict = false, duplicate_address = false;
+    bool broken = false, failed = false;  // now; since the start
+    bool option_alarm = false;            // E.3, before the inverter was reset
+    Instant supplied_at{};
     Instant now{};  // of the last tick
     VINV_ARCHIVE(State, supply, started, was_ready, restart_due, restarted, startup, network, assemblies,
                  control_from_net_at_start, flash, link, terminals, wanted, run, explicit_reset, polled_reset, output,
                  acted, acted_before, acted_idle, polled_control, parameter_write, connections, owner_timed_out,
-                 link_down, link_seen, address_conflict, duplicate_address, now);
+                 link_down, link_seen, address_conflict, duplicate_address, broken, failed, option_alarm, supplied_at,
+                 now);
   };
 
   void start();
@@ -160,7 +170,9 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   static void count(ConnectionTally& tally, cip::IoEvent event);
   void look_for_link();
   void look_for_duplicate();
+  void leave_network();
   bool line_error() const;
+  bool self_tests() const { return state_.supply == Supply::kStarting && state_.now < state_.supplied_at + kSelfTest; }
   void report_line_error();
 
   // Reads of the inverter.

@@ -215,9 +215,8 @@ struct CipUnit::Bindings {
     return speed_of(unit, parameter(unit, parameter_of(a)), 0xFFFF);
   }
   static SetResult set_speed_limit(Unit& unit, const SetRequest& s) {
-    const std::int64_t frequency = unit.speed_scale().frequency_of(s.number);
-    if (frequency > 0xFFFF) return refuse(GeneralStatus::kInvalidAttributeValue);
-    return unit.post(s.now, parameter_request(parameter_of(s.attribute), frequency), s.ticket);
+    return unit.post(
+        s.now, parameter_request(parameter_of(s.attribute), unit.speed_scale().frequency_of(s.number)), s.ticket);
   }
   static Got get_reference_from_net(const Unit& unit, const Attribute&) { return unit.reference_from_net() ? 1 : 0; }
   // 4.6: in NET operation, not while a line error lasts.
@@ -394,6 +393,11 @@ struct CipUnit::Bindings {
     if (unit.line_error()) return answer(GeneralStatus::kObjectStateConflict);
     ExplicitJob job;
     if (type == 1) {
+      // Unspecified: the parts of an order that the inverter does not accept as a whole. Here nothing is cleared then.
+      constexpr std::uint32_t kOnlyWithAlarm = 1;  // the last bit of Pr.75, 0-3 and 14-17
+      if (!unit.network_mode()) return answer(GeneralStatus::kObjectStateConflict);
+      const bool needs_alarm = (unit.parameter_or(75, 0) & kOnlyWithAlarm) != 0;
+      if (needs_alarm && !unit.drive_.status().alarm) return answer(GeneralStatus::kDeviceStateConflict);
       job.add(request_of(Kind::kRestoreDefaults, 1));
       job.effect = Effect::kFlashClear;
       job.clears = true;

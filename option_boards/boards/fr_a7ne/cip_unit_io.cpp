@@ -127,8 +127,10 @@ void CipUnit::poll_terminals(cip::RunMode mode) {
   request.kind = Kind::kCommand;
   if (state_.polled_control || had_control) {
     cip::RunSignals run;
-    run.forward = state_.polled_control && (control & kRunForward) != 0;
-    run.reverse = state_.polled_control && instance != kOutput20 && (control & kRunReverse) != 0;
+    // Start signals that are the terminals' (Pr.338) must not keep the others of 129 away.
+    const bool starts = state_.polled_control && parameter_or(338, 0) == 0;
+    run.forward = starts && (control & kRunForward) != 0;
+    run.reverse = starts && instance != kOutput20 && (control & kRunReverse) != 0;
     with_run(run);
   }
   request.terminals = state_.wanted;
@@ -244,7 +246,7 @@ void CipUnit::fill_input(Instant now, std::uint32_t instance, std::span<std::uin
   out[1] = 0;
   word(2, speed_actual());
   if (instance == kInput176) {
-    if (state_.parameter_write || state_.link.explicit_busy(now)) out[1] = kParameterEnd;
+    if (state_.link.explicit_busy(now)) out[1] = kParameterEnd;
     word(4, parameter_read_data());
   } else if (instance == kInput179) {
     // The monitor begins with STF and STR.

@@ -25,17 +25,30 @@ void CipUnit::set_address_conflict(Instant, bool conflict) {
 
 // To be found it takes an address and a link, at the start or later.
 void CipUnit::look_for_duplicate() {
-  if (!state_.address_conflict || state_.duplicate_address || !on_network()) return;
+  if (!state_.address_conflict || !on_network()) return;
   state_.duplicate_address = true;
   // Its connections end without a word, so the owner's data stays away.
   if (tally(cip::IoRole::kExclusiveOwner).open > 0) state_.owner_timed_out = true;
+  leave_network();
+}
+
+void CipUnit::leave_network() {
   state_.connections = {};
   state_.restarted = true;
   router_.forget_all();
 }
 
+void CipUnit::set_failed(Instant, bool failed) {
+  state_.broken = failed;
+  if (online() && failed && !state_.failed) {
+    state_.failed = true;
+    leave_network();
+  }
+  drive_.set_option_failed(state_.broken || state_.failed);
+}
+
 bool CipUnit::on_network() const {
-  return online() && has_link() && state_.network.ip.address != 0 && !state_.duplicate_address;
+  return online() && has_link() && state_.network.ip.address != 0 && !state_.duplicate_address && !state_.failed;
 }
 
 // 4.5.1. Not: Forward_Close, the end of a TCP connection, time-outs of connections without output data.
@@ -59,7 +72,6 @@ void CipUnit::on_connection(Instant, const cip::IoConnection& connection, cip::I
   count(tally(connection.role), event);
   if (connection.role != cip::IoRole::kExclusiveOwner) return;
   if (event == cip::IoEvent::kOpened) state_.acted_before = false;  // whatever comes first is new
-  if (event == cip::IoEvent::kClosed) return;
   state_.owner_timed_out = event == cip::IoEvent::kTimedOut;
   report_line_error();
 }
@@ -67,9 +79,10 @@ void CipUnit::on_connection(Instant, const cip::IoConnection& connection, cip::I
 LedSituation CipUnit::led_situation() const {
   LedSituation s;
   s.supplied = state_.supply != Supply::kOff;
-  s.self_test = state_.supply == Supply::kStarting;
-  s.initializing = online() && !drive_.ready();
-  s.minor_fault = online() && drive_.status().alarm;
+  s.self_test = self_tests();
+  s.initializing = !drive_.ready();
+  s.major_fault = state_.broken || state_.failed;
+  s.minor_fault = drive_.status().alarm;
   s.has_address = online() && state_.network.ip.address != 0;
   s.duplicate_address = state_.duplicate_address;
   for (const ConnectionTally& of_kind : state_.connections) {

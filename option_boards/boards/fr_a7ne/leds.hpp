@@ -7,8 +7,8 @@ namespace vinv::boards::fr_a7ne {
 
 struct LedSituation {
   bool supplied = false;
-  bool self_test = false;     // from power-on until the option has started
-  bool initializing = false;  // the option has started; the inverter is not ready
+  bool self_test = false;     // the first time after power-on
+  bool initializing = false;  // the inverter is not ready: start-up, or a reset
   bool minor_fault = false;   // an alarm of the inverter
   bool major_fault = false;   // of the option itself
   bool has_address = false;

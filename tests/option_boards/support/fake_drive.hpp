@@ -49,7 +49,7 @@ class FakeDrive final : public port::DrivePort {
   // What tests look at.
   std::vector<port::WriteRequest> posted;
   std::vector<port::WriteRequest> executed;
-  bool communication_lost = false;
+  bool communication_lost = false, option_failed = false;
 
   // A control tick of 1 ms.
   void tick() {
@@ -57,6 +57,7 @@ class FakeDrive final : public port::DrivePort {
     if (!request_ || outcome_ || ++waited_ < ticks_to_decide) return;
     outcome_ = refuse_decision ? port::WriteOutcome(Unexpected(*refuse_decision)) : decide(*request_);
     if (*outcome_) executed.push_back(*request_);
+    if (*outcome_ && storage_fails && stores(request_->kind)) ++storage_failures_;
   }
   // The supply went or the inverter restarted: the mailbox is empty.
   void lose_mailbox() {
@@ -104,9 +105,13 @@ class FakeDrive final : public port::DrivePort {
     return taken;
   }
   void set_communication_lost(bool lost) override { communication_lost = lost; }
-  void set_option_failed(bool) override {}
+  void set_option_failed(bool failed) override { option_failed = failed; }
 
  private:
+  static bool stores(Kind kind) {
+    return kind == Kind::kParameter || kind == Kind::kRestoreDefaults || kind == Kind::kClearAlarmHistory ||
+           kind == Kind::kStoredFrequency;
+  }
   const Parameter* find(port::ParameterId id) const {
     if (const auto word = parameters.find(id.number); word != parameters.end() && id.sub == 0) return &word->second;
     const auto one_of_two = calibration.find({id.number, id.sub});
@@ -154,7 +159,6 @@ class FakeDrive final : public port::DrivePort {
     if (status_now.running && !parameter.writable_while_running) return Unexpected(Refusal::kRunning);
     if (request.value < parameter.min || request.value > parameter.max) return Unexpected(Refusal::kOutOfRange);
     parameter.value = request.value;
-    if (storage_fails) ++storage_failures_;
     return {};
   }
 

@@ -59,7 +59,14 @@ class A700OnEthernetIp : public A700Holder, public AdapterRun {
       poll();
     }
   }
-  // The owner of 21/71 at 10 ms, time-out after 40 ms; what it says until told otherwise.
+  // Of another pair of six bytes each: 126/176 or 129/179.
+  void choose_long_pair(std::string_view path) {
+    wish.path = path;
+    wish.o2t = 0x4800 | 12;
+    wish.t2o = 0x4800 | 8;
+    data.assign(6, 0);
+  }
+  // The owner of 21/71, or of what was chosen, at 10 ms, time-out after 40 ms; what it says until told otherwise.
   std::string own() {
     const std::string status = scanner.open_status(wish);
     if (status == "00") {
@@ -78,7 +85,7 @@ class A700OnEthernetIp : public A700Holder, public AdapterRun {
   std::string input() {
     run(20ms);
     const auto packets = take(ethernet_ip::Channel::kIo);
-    return packets.empty() ? "" : to_hex(ByteView(packets.back().bytes).last(4));
+    return packets.empty() ? "" : to_hex(ByteView(packets.back().bytes).last(data.size()));
   }
   // Status and data of an unconnected request's answer, however late.
   std::string ask(std::string_view hex) {

@@ -23,6 +23,12 @@ void run_up(A700OnEthernetIp& b) {
   b.run(600ms);
   ASSERT_NEAR(b.hz(), 30, 0.1) << b.alarm();
 }
+void reset_by_terminal(A700OnEthernetIp& b) {
+  EXPECT_TRUE(b.inverter->set_terminal("RES", true));
+  b.run(200ms);
+  EXPECT_TRUE(b.inverter->set_terminal("RES", false));
+  b.run(1500ms);
+}
 void fall_silent(A700OnEthernetIp& b) { b.feeding = false; }
 void come_back(A700OnEthernetIp& b) { ASSERT_EQ(b.own(), "00"); }
 
@@ -175,17 +181,49 @@ TEST(FrA7neLineError, FailedOptionIsE3) {
   for (const int pr502 : {0, 1, 2, 3}) {
     A700OnEthernetIp b(with(pr502));
     run_up(b);
-    b.inverter->port().set_option_failed(true);
+    b.unit->set_failed(b.now, true);
+    EXPECT_FALSE(b.unit->on_network());
     b.run(100ms);
     const bool coasts = pr502 == 0 || pr502 == 3;
     EXPECT_EQ(b.alarm(), coasts ? "E.3" : "") << pr502;
     b.run(1s);
     EXPECT_EQ(b.alarm(), "E.3") << pr502;
-    b.inverter->port().set_option_failed(false);
+    EXPECT_FALSE(b.adapter.is_started()) << "data communication stops";
+    EXPECT_EQ(module_led(b.unit->led_situation()), "red");
+    b.unit->set_failed(b.now, false);
     b.run(1s);
     EXPECT_EQ(b.inverter->display(), "E.  3") << "kept: " << pr502;
     EXPECT_EQ(b.history(0), 0xF3u);
+    EXPECT_FALSE(b.adapter.is_started()) << "until the next start";
+    reset_by_terminal(b);
+    EXPECT_EQ(b.alarm(), "") << pr502;
+    EXPECT_TRUE(b.adapter.is_started());
+    EXPECT_EQ(module_led(b.unit->led_situation()), "green flashing");
+    EXPECT_EQ(b.inverter->get_parameter("Pr.501").value(), 0) << "no line error";
   }
+}
+
+TEST(FrA7neLineError, OptionThatIsNotMendedFailsAgainAfterAReset) {
+  A700OnEthernetIp b;
+  b.unit->set_failed(b.now, true);
+  b.run(100ms);
+  ASSERT_EQ(b.alarm(), "E.3");
+  reset_by_terminal(b);
+  EXPECT_EQ(b.alarm(), "E.3");
+  EXPECT_FALSE(b.unit->on_network());
+}
+
+// 4.5.2 (1), last row: outside NET operation the drive goes on, without its network.
+TEST(FrA7neLineError, FailedOptionMattersInNetworkOperationOnly) {
+  A700OnEthernetIp b({{"Pr.340", 0}, {"Pr.4", 30}});
+  EXPECT_TRUE(b.inverter->set_terminal("STF", true));
+  EXPECT_TRUE(b.inverter->set_terminal("RH", true));
+  b.run(1s);
+  b.unit->set_failed(b.now, true);
+  b.run(1s);
+  EXPECT_EQ(b.alarm(), "");
+  EXPECT_NEAR(b.hz(), 30, 0.1);
+  EXPECT_FALSE(b.adapter.is_started());
 }
 
 // 4.6 (1): inverter reset from the network by operation mode.
@@ -219,6 +257,41 @@ TEST(FrA7neReset, WithoutPr540Bit11TheOptionRestartsWithTheInverter) {
   EXPECT_TRUE(b.adapter.is_started());
   EXPECT_EQ(b.adapter.connections().io_connections(), 0u);
   EXPECT_EQ(b.alarm(), "") << "no line error";
+}
+
+// 4.2.5: bit 11 of Pr.540 keeps the connections, except after E.3.
+TEST(FrA7neReset, AfterE3TheOptionRestartsInSpiteOfPr540Bit11) {
+  A700OnEthernetIp b({{"Pr.540", 0x800}});
+  ASSERT_EQ(b.own(), "00");
+  b.run(100ms);
+  EXPECT_TRUE(b.inverter->inject_fault("E.OV1", true));
+  b.run(50ms);
+  reset_by_terminal(b);
+  EXPECT_EQ(b.adapter.connections().io_connections(), 1u);
+  EXPECT_TRUE(b.inverter->inject_fault("option", true));
+  b.run(50ms);
+  ASSERT_EQ(b.alarm(), "E.3");
+  EXPECT_EQ(b.adapter.connections().io_connections(), 1u) << "a bad contact: data communication goes on";
+  EXPECT_TRUE(b.inverter->inject_fault("option", false));
+  b.feeding = false;
+  EXPECT_TRUE(b.inverter->set_terminal("RES", true));
+  b.run(20ms);
+  EXPECT_EQ(b.adapter.connections().io_connections(), 0u);
+}
+
+// What was on is forgotten with the reset, by the inverter and by the option.
+TEST(FrA7neReset, RunBitsAreGoneAfterAResetThatTheOptionOutlives) {
+  A700OnEthernetIp b({{"Pr.540", 0x800}});
+  EXPECT_EQ(b.ask("10 03 20 29 24 01 30 03 01"), "00");
+  EXPECT_EQ(b.ask("0E 03 20 29 24 01 30 03"), "00 01");
+  b.run(100ms);
+  EXPECT_EQ(b.ask("10 03 20 2A 24 01 30 65 01 00"), "00");
+  b.run(2s);
+  EXPECT_EQ(b.ask("0E 03 20 29 24 01 30 03"), "00 00");
+  // Another command must not bring the start signal back.
+  EXPECT_EQ(b.ask("10 03 20 29 24 01 30 04 00"), "00");
+  b.run(200ms);
+  EXPECT_FALSE(b.running());
 }
 
 // 4.6 (1) and (2): error reset by the polled bit, Pr.349 and operation mode.
@@ -255,10 +328,7 @@ TEST(FrA7neReset, LineErrorIsNotResetFromTheNetwork) {
   b.say(kReset);
   b.run(2s);
   EXPECT_EQ(b.alarm(), "E.OP3") << "not after it either";
-  EXPECT_TRUE(b.inverter->set_terminal("RES", true));
-  b.run(200ms);
-  EXPECT_TRUE(b.inverter->set_terminal("RES", false));
-  b.run(1500ms);
+  reset_by_terminal(b);
   EXPECT_EQ(b.alarm(), "");
   b.say(kRun30Hz);
   b.run(1s);
@@ -277,6 +347,32 @@ TEST(FrA7neReset, IdentityResetFollowsPr75) {
     b.run(2s);
     EXPECT_EQ(b.alarm(), "") << pr75;
   }
+}
+
+// 7.1.2: with type 1 parameters and flash go first; nothing does if the inverter does not accept the order.
+TEST(FrA7neReset, IdentityResetOneIsDoneAsAWholeOrNotAtAll) {
+  constexpr const char* kClearAndReset = "05 02 20 01 24 01 01";
+  constexpr const char* kGetPr7 = "0E 03 20 66 24 01 30 11";
+  A700OnEthernetIp b({{"Pr.75", 15}, {"Pr.340", 1}, {"Pr.7", 1.2}});
+  EXPECT_EQ(b.ask(kClearAndReset), "10") << "Pr.75: without an alarm";
+  EXPECT_EQ(b.ask(kGetPr7), "00 0C 00");
+  b.run(100ms);
+  EXPECT_EQ(b.mode("10"), "00");
+  b.run(100ms);
+  EXPECT_EQ(b.ask(kClearAndReset), "0C") << "external operation";
+  EXPECT_EQ(b.ask(kGetPr7), "00 0C 00");
+  EXPECT_EQ(b.mode("14"), "00");
+  b.run(100ms);
+  Flash flash;
+  flash.host_name = "m1";
+  b.unit->set_flash(flash);
+  EXPECT_TRUE(b.inverter->inject_fault("E.OV1", true));
+  b.run(50ms);
+  EXPECT_EQ(b.ask(kClearAndReset), "00");
+  b.run(2s);
+  EXPECT_EQ(b.inverter->get_parameter("Pr.7").value(), 5);
+  EXPECT_EQ(b.unit->flash(), Flash{});
+  EXPECT_EQ(b.inverter->port().operation_mode(), port::OperationMode::kExternal) << "Pr.340 is 0";
 }
 
 }  // namespace

@@ -76,6 +76,7 @@ TEST(FrA7neBoard, LostCableIsALineErrorAsLongAsItLasts) {
   r.channel().plug(r.now, false);
   EXPECT_TRUE(r.drive.communication_lost);
   EXPECT_FALSE(r.channel().has_link());
+  EXPECT_FALSE(r.channel().plugged());
   r.channel().plug(r.now, true);
   EXPECT_FALSE(r.drive.communication_lost);
   EXPECT_TRUE(r.channel().has_link());
@@ -130,6 +131,41 @@ TEST(FrA7neBoard, DamagedFlashIsRefusedWithItsLineAndChangesNothing) {
   const std::string before = r.board.flash_text();
   EXPECT_FALSE(r.board.load_flash(good.substr(0, 40)));
   EXPECT_EQ(r.board.flash_text(), before);
+}
+
+// A file that somebody wrote, with the right checksum.
+TEST(FrA7neBoard, FlashValuesThatAreNoneAreRefused) {
+  const auto with = [](std::string_view from, std::string_view to) {
+    std::string text = flash_text(Flash{});
+    text.replace(text.find(from), from.size(), to);
+    text.erase(text.find("checksum"));
+    char line[40];
+    std::snprintf(line, sizeof line, "checksum = %016llx\n",
+                  static_cast<unsigned long long>(
+                      snapshot_checksum({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()})));
+    return parse_flash(text + line);
+  };
+  ASSERT_TRUE(with("host_name = ", "host_name = a%25"));
+  EXPECT_EQ(with("host_name = ", "host_name = a%25")->host_name, "a%");
+  EXPECT_TRUE(with("host_name = ", "host_name = " + std::string(48, 'a')));
+  EXPECT_EQ(with("host_name = ", "host_name = " + std::string(49, 'a')).error(),
+            "line 9: host_name has no such value");
+  for (const char* bad : {"%", "%2", "%2G", "%G2"}) {
+    EXPECT_FALSE(with("host_name = ", std::string("host_name = ") + bad)) << bad;
+  }
+  EXPECT_EQ(with("dhcp = on", "dhcp = yes").error(), "line 2: dhcp has no such value");
+  EXPECT_FALSE(with("line = auto", "line = 1000_full"));
+  EXPECT_FALSE(with("address = 0.0.0.0", "address = 0.0.0"));
+}
+
+TEST(FrA7neBoard, FailureTakesItOffTheNetwork) {
+  Rig r;
+  r.start();
+  EXPECT_TRUE(r.board.can_fail());
+  r.board.set_failed(r.now, true);
+  EXPECT_EQ(r.channel().address(), 0u);
+  EXPECT_EQ(r.lamps(), "red, green flashing, green");
+  EXPECT_TRUE(r.drive.option_failed);
 }
 
 TEST(FrA7neBoard, ChangeOfTheFlashIsToldOnceAndActsFromTheNextStart) {

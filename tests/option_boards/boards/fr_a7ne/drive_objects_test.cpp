@@ -367,5 +367,33 @@ TEST_F(FrA7neDrive, ClearsTakeTheirCodes) {
   }
 }
 
+// 7.5.1, attribute 6: 1 until the inverter has been ready once, 2 while it is reset.
+TEST_F(FrA7neDrive, StateIsStartupOnlyAfterPowerOn) {
+  drive.is_ready = false;
+  tick(3);
+  EXPECT_FALSE(unit.online());
+  EXPECT_EQ(request(get_request(0x29, 1, 6)), "00 02");
+  power(false);
+  power(true);
+  EXPECT_EQ(request(get_request(0x29, 1, 6)), "00 01");
+  EXPECT_EQ(request(set_request(0x29, 1, 3, "01")), "10") << "not started";
+  EXPECT_TRUE(drive.posted.empty());
+}
+
+TEST_F(FrA7neDrive, RefusedRunCommandsLeaveWhatWasOn) {
+  EXPECT_EQ(set(0x29, 1, 3, "01"), "00");
+  drive.refuse_decision = port::Refusal::kWrongMode;
+  EXPECT_EQ(set(0x29, 1, 3, "00"), "0C");
+  EXPECT_EQ(get(0x29, 1, 3), "00 01");
+  EXPECT_EQ(set(0x29, 1, 4, "01"), "0C");
+  EXPECT_EQ(get(0x29, 1, 4), "00 00");
+}
+
+TEST_F(FrA7neDrive, LargestCurrentIsThatOfTheType) {
+  drive.facts_now.coarse = true;
+  drive.monitors[2] = 65535;
+  EXPECT_EQ(get(0x2A, 1, 9), "00 FF 7F");
+}
+
 }  // namespace
 }  // namespace vinv::boards::fr_a7ne

@@ -22,7 +22,7 @@ TEST_F(FrA7neIo, SelectedPairIsServed) {
     std::size_t bytes;
   };
   for (const Row& row : {Row{kPr346For20, 20, 70, 4}, Row{kPr346For21, 21, 71, 4}, Row{kPr346For126, 126, 176, 6},
-                         Row{kPr346For129, 129, 179, 6}, Row{0x1084, 21, 71, 4}, Row{2u << 2 | 31u << 7, 21, 71, 4}}) {
+                         Row{kPr346For129, 129, 179, 6}, Row{0x1000 | kPr346For126, 21, 71, 4}, Row{2u << 2 | 31u << 7, 21, 71, 4}}) {
     select(row.pr346);
     for (const std::uint32_t point : {20u, 21u, 126u, 129u, 70u, 71u, 176u, 179u, 0u, 100u}) {
       EXPECT_EQ(unit.consumed_size(point), point == row.output ? std::optional(row.bytes) : std::nullopt) << point;
@@ -34,6 +34,10 @@ TEST_F(FrA7neIo, SelectedPairIsServed) {
   EXPECT_EQ(unit.consumed_size(Unit::kInputOnlyPoint), 0u);
   EXPECT_TRUE(unit.is_heartbeat(Unit::kListenOnlyPoint, cip::IoRole::kListenOnly));
   EXPECT_FALSE(unit.is_heartbeat(Unit::kListenOnlyPoint, cip::IoRole::kInputOnly));
+  EXPECT_TRUE(unit.is_heartbeat(Unit::kInputOnlyPoint, cip::IoRole::kInputOnly));
+  EXPECT_FALSE(unit.is_heartbeat(Unit::kInputOnlyPoint, cip::IoRole::kListenOnly));
+  EXPECT_TRUE(unit.configure(now, 1, {}).ok());
+  EXPECT_EQ(unit.configure(now, 1, Bytes{0}), cip::Status(cip::GeneralStatus::kTooMuchData));
   power(false);
   output(21, "61 00 DC 05");
   EXPECT_TRUE(drive.posted.empty());
@@ -338,6 +342,68 @@ TEST_F(FrA7neIo, PolledWritesDoNotStarveExplicitOnes) {
   }
   EXPECT_EQ(answer, "00");
   EXPECT_GT(count(Kind::kCommand), 0u);
+}
+
+// 7.2.1, the list of monitors.
+TEST_F(FrA7neIo, MonitorSelectionHasWhatTheListHas) {
+  select(kPr346For129);
+  for (unsigned number = 0; number <= 255; ++number) drive.monitors[number] = 0x0101;
+  std::string listed;
+  for (unsigned number = 0; number <= 255; ++number) {
+    output(129, "00 00 00 00 " + test::to_hex(Bytes{static_cast<std::uint8_t>(number)}) + " 00");
+    if (input(179).substr(12) == "01 01") listed += test::to_hex(Bytes{static_cast<std::uint8_t>(number)}) + " ";
+  }
+  EXPECT_EQ(listed,
+            "01 02 03 05 06 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 13 14 16 17 18 19 20 21 22 23 32 33 34 35 36 3A 3B 3C ");
+}
+
+TEST_F(FrA7neIo, SignalsOf129StayWithIdleAndWithExplicitRunCommands) {
+  select(kPr346For129);
+  output(129, "21 10 00 00 00 00");
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStf) | bit(NetTerminal::kRh));
+  output(129, "21 08 00 00 00 00", cip::RunMode::kIdle);
+  EXPECT_EQ(terminals(), bit(NetTerminal::kRh)) << "what comes with idle is no command";
+  EXPECT_EQ(set(0x29, 1, 4, "01"), "00");
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStr) | bit(NetTerminal::kRh));
+}
+
+TEST_F(FrA7neIo, StartBitsWithoutPr338AreNone) {
+  select(kPr346For21);
+  drive.parameters[338].value = 1;
+  output(21, "21 00 00 00");
+  EXPECT_EQ(terminals(), 0);
+}
+
+TEST_F(FrA7neIo, PolledSpeedEndsAt400Hz) {
+  select(kPr346For21);
+  output(21, "40 00 FF FF");
+  EXPECT_EQ(last(Kind::kFrequency).value, 40000u);
+}
+
+TEST_F(FrA7neIo, ParameterDataOf126IsNoSpeed) {
+  select(kPr346For126);
+  output(126, "C0 00 14 00 66 11");
+  EXPECT_EQ(count(Kind::kFrequency), 0u);
+  EXPECT_EQ(last(Kind::kParameter).value, 20u);
+}
+
+// 7.2.2: "forward rotation" is of the output, not of the command.
+TEST_F(FrA7neIo, RunningBitsNeedTheOutput) {
+  drive.status_now.forward = true;
+  EXPECT_EQ(get(4, 71, 3).substr(3, 2), "70");
+  drive.status_now.forward = false;
+  drive.status_now.reverse = true;
+  EXPECT_EQ(get(4, 71, 3).substr(3, 2), "70");
+}
+
+TEST_F(FrA7neIo, PolledWriteWaitsForATakenMailbox) {
+  select(kPr346For21);
+  drive.refuse_post = port::Refusal::kBusy;
+  output(21, "21 00 00 00");
+  EXPECT_EQ(count(Kind::kCommand), 0u);
+  drive.refuse_post.reset();
+  tick(3);
+  EXPECT_EQ(terminals(), bit(NetTerminal::kStf));
 }
 
 }  // namespace

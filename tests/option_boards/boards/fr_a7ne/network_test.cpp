@@ -129,7 +129,106 @@ TEST_F(FrA7neNetwork, ModuleLedFollowsStartAndAlarm) {
   power(false);
   unit.handle_power(now, true);
   EXPECT_EQ(module_led(unit.led_situation()), "green and red flashing");
+  tick(499);
+  EXPECT_EQ(led(), "green and red flashing");
+  tick();
+  EXPECT_EQ(module_led(unit.led_situation()), "green") << "the inverter is not ready";
+  EXPECT_EQ(led(), "off") << "no address yet";
+  drive.is_ready = true;
+  tick();
+  EXPECT_EQ(module_led(unit.led_situation()), "green flashing");
+  drive.is_ready = false;
+  drive.parameters[540].value = 0;
+  power(false);
+  power(true);
+  drive.is_ready = true;
+  tick(600);
+  drive.is_ready = false;  // an inverter reset that the option does not outlive
+  tick(2);
+  EXPECT_FALSE(unit.online());
+  EXPECT_EQ(module_led(unit.led_situation()), "green") << "the self-test is at power-on";
 }
+
+// 1.2 (1), "major fault", and 4.5.2.
+TEST_F(FrA7neNetwork, FailedOptionIsRedAndOffTheNetworkUntilTheNextStart) {
+  open_owner();
+  unit.take_restart();
+  unit.set_failed(now, true);
+  EXPECT_TRUE(drive.option_failed);
+  EXPECT_FALSE(drive.communication_lost);
+  EXPECT_TRUE(unit.take_restart());
+  EXPECT_FALSE(unit.on_network());
+  EXPECT_EQ(module_led(unit.led_situation()), "red");
+  EXPECT_EQ(led(), "green flashing") << "its connections are gone";
+  unit.set_failed(now, true);
+  EXPECT_FALSE(unit.take_restart()) << "only once";
+  unit.set_failed(now, false);
+  EXPECT_TRUE(drive.option_failed);
+  EXPECT_FALSE(unit.on_network());
+  EXPECT_EQ(module_led(unit.led_situation()), "red");
+  const Bytes snapshot = save_snapshot(unit);
+  power(false);
+  EXPECT_FALSE(drive.option_failed);
+  power(true);
+  EXPECT_TRUE(unit.on_network());
+  EXPECT_EQ(module_led(unit.led_situation()), "green flashing");
+  ASSERT_TRUE(load_snapshot(unit, snapshot).has_value());
+  EXPECT_FALSE(unit.on_network());
+  power(false);
+  unit.set_failed(now, true);
+  power(true);
+  EXPECT_TRUE(drive.option_failed);
+  EXPECT_FALSE(unit.on_network());
+  // Mended before it has started.
+  drive.is_ready = false;
+  power(false);
+  unit.set_failed(now, false);
+  power(true);
+  unit.set_failed(now, true);
+  EXPECT_EQ(module_led(unit.led_situation()), "red");
+  unit.set_failed(now, false);
+  drive.is_ready = true;
+  tick();
+  EXPECT_TRUE(unit.on_network());
+}
+
+TEST_F(FrA7neNetwork, WhoLeavesTheNetworkAnswersNobody) {
+  drive.ticks_to_decide = 3;
+  EXPECT_EQ(request(set_request(0x66, 1, 17, "14 00")), "later");
+  unit.set_failed(now, true);
+  tick(5);
+  EXPECT_EQ(poll(), "");
+}
+
+TEST_F(FrA7neNetwork, SupplyThatIsThereAlreadyChangesNothing) {
+  unit.take_restart();
+  unit.handle_power(now, true);
+  EXPECT_FALSE(unit.take_restart());
+  EXPECT_TRUE(unit.online());
+}
+
+// An inverter that resets right after the start.
+TEST_F(FrA7neNetwork, ResetIsSeenFromTheFirstTickOn) {
+  power(false);
+  unit.handle_power(now, true);
+  ASSERT_TRUE(unit.online());
+  drive.is_ready = false;
+  tick(2);
+  EXPECT_FALSE(unit.online());
+}
+
+TEST_F(FrA7neNetwork, IdentityStateFollowsStartAndAddress) {
+  EXPECT_EQ(unit.identity_state(), cip::IdentityState::kOperational);
+  power(false);
+  drive.is_ready = false;
+  power(true);
+  EXPECT_EQ(unit.identity_state(), cip::IdentityState::kSelfTesting);
+  drive.is_ready = true;
+  drive.parameters[540].value = 3;
+  tick();
+  EXPECT_EQ(unit.identity_state(), cip::IdentityState::kStandby);
+}
+
 
 TEST_F(FrA7neNetwork, AddressThatSomebodyHasIsFoundAtTheStart) {
   power(false);
@@ -159,6 +258,8 @@ TEST_F(FrA7neNetwork, ConflictThatComesLaterEndsTheConnections) {
   open_owner();
   unit.set_address_conflict(now, true);
   EXPECT_TRUE(unit.take_restart());
+  unit.set_address_conflict(now, true);
+  EXPECT_FALSE(unit.take_restart()) << "only once";
   EXPECT_EQ(led(), "red");
   EXPECT_EQ(get(1, 1, 5).substr(0, 5), "00 00");
   EXPECT_TRUE(drive.communication_lost) << "the owner's data stays away";

@@ -101,8 +101,16 @@ TEST_F(FrA7neSettings, AddressesThatAreNoneAreRefused) {
   EXPECT_EQ(set(0xF5, 1, 5, "00 00 00 00 00 00 00 00 00 00 00 00" + rest), "00");
   EXPECT_EQ(set(0xF5, 1, 5, "00 00 00 00"), "13");
   std::string name = "31 00";
-  for (int i = 0; i < 50; ++i) name += " 61";
-  EXPECT_EQ(set(0xF5, 1, 6, name), "09");
+  for (int i = 0; i < 49; ++i) name += " 61";
+  EXPECT_EQ(set(0xF5, 1, 6, name + " 00"), "09");
+  // 48 characters are the most.
+  std::string most = "30 00";
+  for (int i = 0; i < 48; ++i) most += " 61";
+  EXPECT_EQ(set(0xF5, 1, 6, most), "00");
+  const std::string zeros = "00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 ";
+  EXPECT_EQ(set(0xF5, 1, 5, zeros + most), "00");
+  EXPECT_EQ(get(0xF5, 1, 5), "00 " + zeros + most);
+  EXPECT_EQ(set(0xF5, 1, 5, zeros + name + " 61"), "09") << "49, with one to pad";
   EXPECT_EQ(set(0xF5, 1, 6, "03 00 61 62 63 00"), "00");
   EXPECT_EQ(get(0xF5, 1, 6), "00 03 00 61 62 63 00");
 }
@@ -168,6 +176,9 @@ TEST(FrA7neLeds, LinkLedShowsTraffic) {
   EXPECT_EQ(link_led(s), "green");
   s.traffic = true;
   EXPECT_EQ(link_led(s), "green flashing");
+  s.self_test = true;
+  EXPECT_EQ(link_led(s), "off");
+  s.self_test = false;
   s.link = false;
   EXPECT_EQ(link_led(s), "off");
 }
@@ -180,6 +191,21 @@ TEST_F(FrA7neSettings, StartWaitsUntilTheInverterCanTell) {
   drive.parameters_readable = true;
   tick();
   EXPECT_TRUE(unit.online());
+}
+
+// 7.8.2: what is read is what is configured there where the settings come from.
+TEST_F(FrA7neSettings, AddressOfTheParametersIsReadWhateverTheFlashHas) {
+  Flash flash;
+  flash.dhcp = false;
+  flash.ip.address = 0x0A000001;
+  unit.set_flash(flash);
+  drive.parameters[540].value = 3;
+  drive.parameters[434].value = 192;
+  drive.parameters[437].value = 9;
+  power(false);
+  power(true);
+  EXPECT_EQ(get(0xF5, 1, 3), "00 00 00 00 00");
+  EXPECT_EQ(get(0xF5, 1, 5).substr(0, 14), "00 09 00 00 C0");
 }
 
 }  // namespace

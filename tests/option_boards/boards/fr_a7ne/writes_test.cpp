@@ -99,6 +99,12 @@ TEST_F(FrA7neWrites, LengthsRangesAndStorage) {
   EXPECT_EQ(request("0E 02 20 66 24 01"), "14");
   drive.storage_fails = true;
   EXPECT_EQ(set(0x66, 1, 17, "14 00"), "19");
+  EXPECT_EQ(set(0x2A, 1, 113, "B8 0B"), "19");
+  EXPECT_EQ(set(0x2A, 1, 112, "B8 0B"), "00") << "RAM";
+  EXPECT_EQ(set(0x2A, 1, 141, "00 00"), "19");
+  EXPECT_EQ(set(0x2A, 1, 102, "5A 96"), "19");
+  // Of two steps, the first.
+  EXPECT_EQ(ask("05 02 20 01 24 01 01"), "19");
 }
 
 TEST_F(FrA7neWrites, MembersAreNotKnown) {
@@ -212,6 +218,7 @@ TEST_F(FrA7neWrites, IdentityResetOneClearsParametersAndFlash) {
   tick(4999);
   EXPECT_EQ(last(Kind::kRestoreDefaults).value, 1u);
   EXPECT_EQ(count(Kind::kResetInverter), 0u);
+  EXPECT_EQ(unit.next_deadline(), now + std::chrono::milliseconds(1)) << "the reset comes after the clear";
   tick(2);
   EXPECT_EQ(count(Kind::kResetInverter), 1u);
   EXPECT_EQ(poll(), "00");
@@ -222,12 +229,23 @@ TEST_F(FrA7neWrites, IdentityResetOneClearsParametersAndFlash) {
 }
 
 TEST_F(FrA7neWrites, IdentityResetOneThatIsRefusedResetsNothing) {
-  drive.mode = port::OperationMode::kExternal;
+  EXPECT_EQ(set(0xF5, 1, 6, "02 00 61 62"), "00");
+  drive.refuse_decision = port::Refusal::kWriteDisabled;
   EXPECT_EQ(request("05 02 20 01 24 01 01"), "later");
   tick(2);
   EXPECT_EQ(poll(), "0C");
   tick(6000);
   EXPECT_TRUE(drive.executed.empty());
+  drive.refuse_decision.reset();
+  drive.mode = port::OperationMode::kExternal;
+  EXPECT_EQ(request("05 02 20 01 24 01 01"), "0C");
+  drive.mode = port::OperationMode::kNetwork;
+  for (const unsigned pr75 : {1u, 3u, 15u, 17u}) {
+    drive.parameters[75] = {pr75, 0, 17};
+    EXPECT_EQ(request("05 02 20 01 24 01 01"), "10") << pr75;
+  }
+  EXPECT_EQ(drive.posted.size(), 1u);
+  EXPECT_EQ(get(0xF5, 1, 6), "00 02 00 61 62") << "the flash as well";
 }
 
 TEST_F(FrA7neWrites, SnapshotContinuesInTheMiddleOfAClear) {
