@@ -53,7 +53,8 @@ class OutQueue {
       return std::nullopt;
     }
     const Part& part = parts_[next_++];
-    return Transmit{part.channel, part.connection, part.to, kExplicitDscp, ByteView(bytes_).subspan(part.at, part.length)};
+    return Transmit{part.channel, part.connection, part.to, kExplicitDscp,
+                    ByteView(bytes_).subspan(part.at, part.length)};
   }
   void drop_connection(TcpId connection) {
     for (std::size_t i = next_; i < parts_.size(); ++i)

@@ -21,8 +21,7 @@ IpEndpoint test_net(std::uint32_t number, std::uint16_t port) {
 class RecordedTcp : public ByteStream {
  public:
   RecordedTcp(Instant now, std::unique_ptr<ByteStream> inner, std::shared_ptr<CaptureFile> file,
-              std::uint32_t interface_id, IpEndpoint client, IpEndpoint server, std::uint32_t number,
-              std::uint8_t dscp)
+              std::uint32_t interface_id, IpEndpoint client, IpEndpoint server, std::uint32_t number, std::uint8_t dscp)
       : inner_(std::move(inner)),
         state_(std::make_shared<State>(std::move(file), interface_id, client, server, number, dscp)) {
     state_->last = now;
@@ -152,8 +151,7 @@ std::unique_ptr<ByteStream> IpRecorder::wrap(Instant now, std::unique_ptr<ByteSt
   const IpEndpoint server = parse_ip_endpoint(ours).value_or(test_net(253, port));
   const IpEndpoint client = parse_ip_endpoint(stream->name())
                                 .value_or(test_net(number % 253, static_cast<std::uint16_t>(49152 + number % 16384)));
-  return std::make_unique<RecordedTcp>(now, std::move(stream), file_, interface_id_, client, server, number,
-                                       dscp);
+  return std::make_unique<RecordedTcp>(now, std::move(stream), file_, interface_id_, client, server, number, dscp);
 }
 
 }  // namespace vinv::transports

@@ -82,12 +82,12 @@ Finding can_bind(const std::string& host, std::uint16_t port) {
 Finding can_be_adapter(std::uint32_t address, std::uint16_t explicit_port, std::uint16_t io_port) {
   EventLoop loop;
   std::string wrong;
-  bool in_use = false;
+  bool everywhere = false;
   const auto look = [&](PortKind kind, std::uint16_t port, const std::string& refusal) {
     if (refusal.empty()) return;
     wrong += sentence(refusal) + " ";
     for (const PortHolder& h : holders_of(kind, address, port)) {
-      in_use = true;
+      everywhere = everywhere || h.address != ipv4_text(address);
       wrong += h.address + ":" + std::to_string(port) + " is held by " +
                (h.program.empty() ? "a program of another user" : h.program) + ". ";
     }
@@ -101,7 +101,7 @@ Finding can_be_adapter(std::uint32_t address, std::uint16_t explicit_port, std::
   const std::string ports = "TCP and UDP " + std::to_string(explicit_port) + ", UDP " + std::to_string(io_port);
   if (wrong.empty()) return {true, "An adapter can be at " + ipv4_text(address) + " (" + ports + ")."};
   return {false, wrong + "An adapter needs " + ports + " of its own address" +
-                     (in_use ? ": who holds them on 0.0.0.0 has to bind its own address only, or end." : ".")};
+                     (everywhere ? ": who has them on every address has to bind its own only, or end." : ".")};
 }
 
 Finding can_schedule_realtime() {

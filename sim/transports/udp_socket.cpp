@@ -208,12 +208,11 @@ Result<void, std::string> UdpSocket::join(std::uint32_t group) {
   if (!socket) return Unexpected(socket.error());
   (*socket)->impl_->member_by = own;
   if (const auto joined = (*socket)->join(group); !joined) return joined;
-  (*socket)->set_handler(
-      [to = std::weak_ptr(impl_)](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
-        const auto impl = to.lock();
-        const auto keep = impl != nullptr ? impl->handler : nullptr;
-        if (keep && *keep) (*keep)(now, from, bytes);
-      });
+  (*socket)->set_handler([to = std::weak_ptr(impl_)](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
+    const auto impl = to.lock();
+    const auto keep = impl != nullptr ? impl->handler : nullptr;
+    if (keep && *keep) (*keep)(now, from, bytes);
+  });
   groups_[group] = std::move(*socket);
   return {};
 }
