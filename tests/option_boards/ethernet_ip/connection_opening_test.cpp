@@ -203,6 +203,15 @@ TEST_F(ConnectionOpeningTest, MatchingKeysAreTaken) {
   }
 }
 
+TEST_F(ConnectionOpeningTest, TriggerOfAServerMeansNothing) {
+  unsigned serial = 1;
+  for (const unsigned trigger : {0u, 1u, 2u, 3u, 7u}) {
+    OpenWish w = explicit_one(serial++);
+    w.transport = 0x83 | trigger << 4;
+    EXPECT_EQ(master.open_status(w), "00") << trigger;
+  }
+}
+
 TEST_F(ConnectionOpeningTest, SameTriadAgainIsADuplicate) {
   EXPECT_EQ(master.open_status({}), "00");
   EXPECT_EQ(master.open_status({}), "01 0100");

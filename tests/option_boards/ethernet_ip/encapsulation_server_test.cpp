@@ -179,6 +179,9 @@ TEST_F(EncapsulationServerTest, WrongLengthsAreRefused) {
   auto m = Master::registered(bench);
   EXPECT_EQ(status_of(m.command(0x65, from_hex("01 00 00"))), 0x65u);
   EXPECT_EQ(status_of(m.command(0x63, {0})), 0x65u);
+  EXPECT_EQ(status_of(m.command(0x04, {0})), 0x65u);
+  EXPECT_EQ(status_of(m.command(0x64, {0})), 0x65u);
+  EXPECT_EQ(status_of(m.command(0x66, {0})), 0x65u);
   EXPECT_EQ(status_of(m.command(0x6f, Bytes(5, 0))), 0x65u);
   EXPECT_EQ(status_of(m.command(0x70, Bytes(5, 0))), 0x65u);
   EXPECT_EQ(status_of(m.command(0x6f, Bytes(kMaxEncapsulatedData + 1, 0))), 0x65u);

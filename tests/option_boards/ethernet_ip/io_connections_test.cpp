@@ -321,6 +321,18 @@ TEST_F(IoConnectionsTest, CloseMatchesOnTheTriadAlone) {
   EXPECT_TRUE(io().empty());
 }
 
+// Vol 2, 3-3.10: another session of the same host may, another host may not.
+TEST_F(IoConnectionsTest, OnlyTheHostThatOpenedCanClose) {
+  open();
+  auto other = Master::registered(bench, ipv4(127, 0, 0, 2));
+  EXPECT_EQ(to_hex(other.close({})), "CE 00 0F 00 01 00 37 13 2A 00 00 00 03 00");
+  EXPECT_TRUE(bench.take_log().empty());
+  EXPECT_EQ(bench.adapter.connections().io_connections(), 1u);
+  auto second = Master::registered(bench);
+  EXPECT_EQ(to_hex(second.close({})), "CE 00 00 00 01 00 37 13 2A 00 00 00 00 00");
+  EXPECT_EQ(bench.adapter.connections().io_connections(), 0u);
+}
+
 TEST_F(IoConnectionsTest, IoOutlivesTheTcpConnectionThatOpenedIt) {
   const auto id = open();
   bench.adapter.handle_tcp_closed(bench.now, master.tcp);
