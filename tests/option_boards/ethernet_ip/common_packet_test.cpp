@@ -77,6 +77,8 @@ constexpr Malformed kMalformed[] = {
     {"NullAddressWithData", "02 00 00 00 01 00 01 B2 00 00 00", PacketError::kBadAddressItem},
     {"ConnectedAddressTooShort", "02 00 A1 00 02 00 01 02 B1 00 00 00", PacketError::kBadAddressItem},
     {"SequencedAddressTooShort", "02 00 02 80 04 00 01 02 03 04 B1 00 00 00", PacketError::kBadAddressItem},
+    {"SequencedAddressTooLong", "02 00 02 80 09 00 01 02 03 04 05 06 07 08 09 B1 00 00 00",
+     PacketError::kBadAddressItem},
     {"DataBeforeAddress", "02 00 B2 00 00 00 00 00 00 00", PacketError::kBadAddressItem},
     {"ConnectedDataWithNullAddress", "02 00 00 00 00 00 B1 00 00 00", PacketError::kBadDataItem},
     {"UnconnectedDataWithConnectedAddress", "02 00 A1 00 04 00 01 02 03 04 B2 00 00 00", PacketError::kBadDataItem},
