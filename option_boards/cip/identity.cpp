@@ -12,12 +12,11 @@ KeyMatch match_key(const ElectronicKey& key, const Identity& identity) {
     return KeyMatch::kVendorOrProductCode;
   }
   if (differs(key.device_type, identity.device_type)) return KeyMatch::kDeviceType;
-  if (differs(key.major_revision, identity.major_revision)) return KeyMatch::kRevision;
-  if (key.compatible ? key.minor_revision > identity.minor_revision
-                     : differs(key.minor_revision, identity.minor_revision)) {
-    return KeyMatch::kRevision;
-  }
-  return KeyMatch::kMatches;
+  const bool fits = key.compatible ? key.major_revision == identity.major_revision && key.minor_revision != 0 &&
+                                         key.minor_revision <= identity.minor_revision
+                                   : key.major_revision == 0 || (key.major_revision == identity.major_revision &&
+                                                                 !differs(key.minor_revision, identity.minor_revision));
+  return fits ? KeyMatch::kMatches : KeyMatch::kRevision;
 }
 
 }  // namespace vinv::cip

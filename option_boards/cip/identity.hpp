@@ -31,9 +31,9 @@ enum class IdentityState : std::uint8_t {
 
 enum class KeyMatch : std::uint8_t { kMatches, kVendorOrProductCode, kDeviceType, kRevision };
 
-// Zero in the key matches anything. Revision: the same major and, unless 0, the same minor; with the compatibility bit
-// any revision not before the named one, of the same major. The extended status of a refusal (CIP Vol 1, 3-5.5):
-// 0x0114 vendor or product code, 0x0115 device type, 0x0116 revision.
+// Zero in the key matches anything. Revision: the same major and, unless 0, the same minor; major 0: any. With the
+// compatibility bit the same major, and a minor not before the named one, which cannot be 0. The extended status of a
+// refusal (CIP Vol 1, 3-5.5): 0x0114 vendor or product code, 0x0115 device type, 0x0116 revision.
 KeyMatch match_key(const ElectronicKey& key, const Identity& identity);
 
 }  // namespace vinv::cip

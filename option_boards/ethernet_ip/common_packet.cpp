@@ -50,7 +50,8 @@ std::optional<PacketError> take_item(CommonPacket& packet, std::size_t index, co
   switch (static_cast<ItemType>(item.type)) {
     case ItemType::kSockaddrO2t:
     case ItemType::kSockaddrT2o: return take_sockaddr(packet, item);
-    default: return PacketError::kUnknownItem;
+    // Unspecified: others pass over what they do not know, so that newer scanners find no fault with them.
+    default: return std::nullopt;
   }
 }
 

@@ -35,7 +35,6 @@ enum class PacketError : std::uint8_t {
   kBadAddressItem,  // not first, of the wrong length, or none at all
   kBadDataItem,     // not second, or not the one that belongs to the address
   kBadSockaddr,     // wrong length or family, or twice the same direction
-  kUnknownItem,
 };
 
 // A packet with an address, data, and what came along. Views into the bytes that were parsed.
@@ -48,7 +47,8 @@ struct CommonPacket {
   std::optional<Ipv4Endpoint> t2o_sockaddr;
 };
 
-// The null address goes with unconnected data, the others with connected data.
+// The null address goes with unconnected data, the others with connected data. Further items that are not known are
+// passed over.
 Result<CommonPacket, PacketError> parse_common_packet(ByteView bytes);
 
 // sockaddr_in as it travels: big-endian (2-6.3.3).

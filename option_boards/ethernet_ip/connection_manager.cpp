@@ -113,6 +113,10 @@ void ConnectionManager::forward_close(Instant now, const cip::Request& request, 
     reply.status = {cip::GeneralStatus::kConnectionFailure,
                     static_cast<std::uint16_t>(ConnectionStatus::kConnectionNotFound)};
     reply.data.push_back(static_cast<std::uint8_t>(close->path.size() / 2));  // words of path that are left
+  } else if (exchange_ != nullptr && exchange_->originator.address != c->originator) {
+    // Over which session is all the same, but not from which host (Vol 2, 3-3.10).
+    reply.status = cip::GeneralStatus::kPrivilegeViolation;
+    reply.data.push_back(static_cast<std::uint8_t>(close->path.size() / 2));
   } else {
     reply.data.push_back(0);  // words of application data
     end(now, *c, cip::IoEvent::kClosed);

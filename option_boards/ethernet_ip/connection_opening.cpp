@@ -109,14 +109,17 @@ void ConnectionManager::forward_open(Instant now, const cip::Request& request, b
   if (find(open->triad) != nullptr) return refuse_open(*open, refusal(ConnectionStatus::kDuplicateForwardOpen), reply);
   if (open->timeout_multiplier > 7)
     return refuse_open(*open, refusal(ConnectionStatus::kTimeoutMultiplierNotAcceptable), reply);
-  if (open->trigger() > 2) return refuse_open(*open, refusal(ConnectionStatus::kTriggerNotSupported), reply);
+  // A server's trigger means nothing (Vol 1, 3-4.4.3).
+  const bool explicit_one = open->transport_class() == 3;
+  if (!explicit_one && open->trigger() > 2)
+    return refuse_open(*open, refusal(ConnectionStatus::kTriggerNotSupported), reply);
   if (open->o2t.redundant_owner || open->t2o.redundant_owner)
     return refuse_open(*open, refusal(ConnectionStatus::kInvalidO2tRedundantOwner), reply);
 
   Connection c;
   c.open = true;
   c.triad = open->triad;
-  c.trigger = static_cast<Trigger>(open->trigger());
+  c.trigger = explicit_one ? Trigger::kCyclic : static_cast<Trigger>(open->trigger());
   c.originator = exchange_ != nullptr ? exchange_->originator.address : 0;
   c.tcp = exchange_ != nullptr ? exchange_->tcp : 0;
   c.t2o_id = open->t2o_id;

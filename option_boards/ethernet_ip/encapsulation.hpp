@@ -14,6 +14,9 @@ namespace vinv::ethernet_ip {
 inline constexpr std::uint16_t kEncapsulationPort = 44818;  // 0xAF12, TCP and UDP
 inline constexpr std::uint16_t kIoPort = 2222;              // 0x08AE, UDP
 
+// Differentiated services code point of all that goes over port 44818 (Vol 2, 5-6.4.2: explicit messages).
+inline constexpr std::uint8_t kExplicitDscp = 27;
+
 inline constexpr std::size_t kEncapsulationHeader = 24;
 // Data of one message that is taken; a longer one is refused with kInvalidLength and its bytes are skipped. A
 // Large_Forward_Open's messages of 4000 bytes fit.

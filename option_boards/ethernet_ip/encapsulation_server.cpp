@@ -163,6 +163,7 @@ void EncapsulationServer::handle_message(Instant now, Connection& c, const Encap
       return answer_list(Channel::kTcp, c.id, c.peer, header);
     case Command::kRegisterSession: return register_session(c, message);
     case Command::kUnRegisterSession:
+      if (header.length != 0) return answer(c, header, EncapsulationStatus::kInvalidLength);
       if (c.session == 0 || header.session != c.session) return answer(c, header, EncapsulationStatus::kInvalidSession);
       return close(now, c);
     case Command::kSendRRData: {

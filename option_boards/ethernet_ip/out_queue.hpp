@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "option_boards/ethernet_ip/encapsulation.hpp"
 #include "sim/base/archive.hpp"
 #include "sim/base/bytes.hpp"
 #include "sim/base/ipv4.hpp"
@@ -22,7 +23,7 @@ struct Transmit {
   Channel channel = Channel::kTcp;
   TcpId connection = 0;   // kTcp
   Ipv4Endpoint to;        // kUdp, kIo
-  std::uint8_t dscp = 0;  // kIo: differentiated services code point
+  std::uint8_t dscp = 0;  // differentiated services code point; of a TCP connection always the same
   ByteView bytes;         // valid until the next call of the engine
 };
 
@@ -52,7 +53,8 @@ class OutQueue {
       return std::nullopt;
     }
     const Part& part = parts_[next_++];
-    return Transmit{part.channel, part.connection, part.to, 0, ByteView(bytes_).subspan(part.at, part.length)};
+    return Transmit{part.channel, part.connection, part.to, kExplicitDscp,
+                    ByteView(bytes_).subspan(part.at, part.length)};
   }
   void drop_connection(TcpId connection) {
     for (std::size_t i = next_; i < parts_.size(); ++i)

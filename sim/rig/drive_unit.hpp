@@ -54,6 +54,7 @@ struct DriveUnit {
   std::unique_ptr<ethernet_ip::Adapter> adapter;
   std::unique_ptr<EthernetIpPort> ethernet;
   std::uint32_t claimed_address = 0;  // the board's own as the network knows it
+  bool has_double = false;            // a device that is not of the plant has its address too
 
   // The mains are what the plant file or `mains: {voltage}` says, less a dip and lost phases.
   plant::MainsState mains;

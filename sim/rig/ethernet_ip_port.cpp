@@ -155,10 +155,7 @@ void EthernetIpPort::poll(Instant now) {
     if (t->channel == Channel::kTcp) {
       if (Connection* c = find(t->connection)) send(now, *c, t->bytes);
     } else if (link_ && udp_ != nullptr) {
-      if (t->channel == Channel::kIo)
-        io_->send(now, t->to, t->bytes, t->dscp);
-      else
-        udp_->send(now, t->to, t->bytes);
+      (t->channel == Channel::kIo ? io_ : udp_)->send(now, t->to, t->bytes, t->dscp);
     }
   }
   while (const auto id = adapter_.poll_tcp_close()) {

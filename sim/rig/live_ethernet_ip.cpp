@@ -34,11 +34,12 @@ Result<void, std::string> LiveEthernetIp::add(EthernetIpPort& port, const Ethern
   auto io = transports::UdpSocket::open(loop_, options);
   if (!io) return Unexpected(io.error());
   auto listener = transports::TcpListener::open(
-      loop_, {ipv4_text(bound), where.port, EthernetIpPort::kMaxConnections},
+      loop_, {ipv4_text(bound), where.port, EthernetIpPort::kMaxConnections, ethernet_ip::kExplicitDscp},
       [this, &port, where](Instant now, std::unique_ptr<transports::ByteStream> stream) {
         const Ipv4Endpoint peer = endpoint_of(stream->name());
         if (recorder_ != nullptr)
-          stream = recorder_->wrap(now, std::move(stream), ipv4_text(where.address), where.port);
+          stream =
+              recorder_->wrap(now, std::move(stream), ipv4_text(where.address), where.port, ethernet_ip::kExplicitDscp);
         port.accept(now, std::move(stream), peer);
       });
   if (!listener) return Unexpected(listener.error());
@@ -61,7 +62,9 @@ std::string LiveEthernetIp::listen_to_broadcasts(EthernetIpPort& port, const Eth
   segment.ports.push_back(&port);
   if (segment.listener != nullptr) return {};
   auto listener = transports::BroadcastListener::open(
-      loop_, *interface, where.port, [&segment](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
+      loop_, *interface, where.port,
+      [this, &segment](Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes) {
+        if (recorder_ != nullptr) recorder_->received(now, from, to, bytes);
         for (EthernetIpPort* each : segment.ports) each->handle_broadcast(now, from, bytes);
       });
   if (!listener) return "broadcasts are not heard: " + listener.error();

@@ -283,21 +283,27 @@ void Plant::settle(Instant now, DriveUnit& d) {
 void Plant::follow_ethernet(Instant now, DriveUnit& d) {
   boards::EthernetChannel& channel = *d.station;
   if (channel.take_restart()) claim_address(now, d, 0);
-  if (const std::uint32_t address = channel.address(); address != d.claimed_address) claim_address(now, d, address);
+  const std::uint32_t address = channel.address();
+  // Looked at again whenever the cable comes back.
+  const bool is_back = channel.has_link() && !d.ethernet->has_link();
+  if (address != d.claimed_address || (is_back && is_taken(d, address))) claim_address(now, d, address);
   d.ethernet->set_link(now, channel.has_link());
   d.ethernet->handle_new_data(now);
   if (d.ethernet->take_activity()) channel.handle_activity(now);
+}
+
+bool Plant::is_taken(const DriveUnit& d, std::uint32_t address) const {
+  return address != 0 && (d.has_double || std::any_of(drives_.begin(), drives_.end(), [&](const auto& other) {
+                            return other.get() != &d && other->adapter && other->adapter->is_started() &&
+                                   other->claimed_address == address && other->ethernet->has_link();
+                          }));
 }
 
 // Address conflict detection: who comes later has to go without.
 void Plant::claim_address(Instant now, DriveUnit& d, std::uint32_t address) {
   boards::EthernetChannel& channel = *d.station;
   d.claimed_address = address;
-  const bool taken = std::any_of(drives_.begin(), drives_.end(), [&](const auto& other) {
-    return other.get() != &d && other->adapter && other->adapter->is_started() && other->claimed_address == address &&
-           other->ethernet->has_link();
-  });
-  const bool duplicate = address != 0 && channel.has_link() && taken;
+  const bool duplicate = channel.has_link() && is_taken(d, address);
   channel.set_duplicate_address(duplicate);
   const EthernetSpec& spec = *d.spec.board->ethernet;
   if (address == 0 || duplicate)
@@ -311,6 +317,15 @@ bool Plant::plug_ethernet(DriveUnit& drive, bool plugged) {
   drive.station->plug(now(), plugged);
   settle(now(), drive);
   return true;
+}
+
+void Plant::set_double(DriveUnit& drive, bool there) {
+  if (!drive.ethernet || drive.has_double == there) return;
+  drive.has_double = there;
+  // The drive defends its address in vain, and asks for it again at its next start only.
+  if (there && drive.claimed_address != 0 && drive.station->has_link())
+    claim_address(now(), drive, drive.claimed_address);
+  settle(now(), drive);
 }
 
 DriveUnit* Plant::find_address(std::uint32_t address) {

@@ -80,6 +80,8 @@ class Plant {
   CanLine* can_line_of(const DriveUnit& drive);
   // The cable of the drive's board on Ethernet. False: it has none.
   bool plug_ethernet(DriveUnit& drive, bool plugged);
+  // A device outside the plant that has, and keeps, the address of the drive's board on Ethernet.
+  void set_double(DriveUnit& drive, bool there);
   // Where faults go on the serial line, the TCP port and the UDP ports of the drive; nullptr if it has none.
   WireTap* serial_tap_of(const DriveUnit& drive);
   WireTap* tcp_tap_of(const DriveUnit& drive);
@@ -127,6 +129,7 @@ class Plant {
   void follow_power(Instant now, DriveUnit& drive);
   void board_timeout(Instant now, DriveUnit& drive);
   void follow_ethernet(Instant now, DriveUnit& drive);
+  bool is_taken(const DriveUnit& drive, std::uint32_t address) const;
   void claim_address(Instant now, DriveUnit& drive, std::uint32_t address);
   BoardLine::OnTraffic traffic_of(std::size_t line);
   void archive_state(Archive& a);

@@ -77,12 +77,13 @@ std::string Plant::signature() const {
 void Plant::archive_drive(Archive& a, DriveUnit& drive) {
   // The first ones are what the drive was made as.
   VINV_MEMBERS(drive, spec, tcp, serial, can, ethernet_ip, inverter, board, controller, station, adapter, ethernet,
-               claimed_address, mains, dip_fraction, load_ramp_nm, dip_ends, power_returns, reset_released,
+               claimed_address, has_double, mains, dip_fraction, load_ramp_nm, dip_ends, power_returns, reset_released,
                load_ramp_ends, board_powered, board_deadline, board_event);
   a.io(*inverter);
   if (board) a.io(*board);
   if (ethernet) ethernet->archive(a, streams_);
-  VINV_FIELDS(a, DriveUnit, claimed_address, mains, dip_fraction, load_ramp_nm, board_powered, board_deadline);
+  VINV_FIELDS(a, DriveUnit, claimed_address, has_double, mains, dip_fraction, load_ramp_nm, board_powered,
+              board_deadline);
   DriveUnit* const d = &drive;
   scheduler_.archive_event(a, dip_ends, [d](Instant) { d->end_dip(); });
   scheduler_.archive_event(a, power_returns, [this, d](Instant) { return_power(*d); });

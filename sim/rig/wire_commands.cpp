@@ -24,6 +24,7 @@ enum Wire : unsigned {
   kSerial = 2,
   kTcp = 4,
   kUdp = 8,
+  kEthernet = 16,  // the cable itself, which carries both
   kStreams = kSerial | kTcp,
   kAll = kCan | kStreams | kUdp
 };
@@ -32,7 +33,7 @@ struct WireName {
   Wire wire;
 };
 constexpr std::array kWires{WireName{"can", kCan}, WireName{"serial", kSerial}, WireName{"tcp", kTcp},
-                            WireName{"udp", kUdp}};
+                            WireName{"udp", kUdp}, WireName{"ethernet", kEthernet}};
 
 // What the word's own value is.
 enum class Value : std::uint8_t { kShare, kTime, kCount };
@@ -57,7 +58,8 @@ constexpr std::array kFaults{
     FaultWord{"truncate", std::nullopt, Fault::kTruncate, kStreams | kUdp, Value::kCount},
     FaultWord{"split", std::nullopt, Fault::kSplit, kStreams, Value::kTime},
     FaultWord{"silence", CanFault::kSilence, Fault::kDrop, kAll, Value::kShare, true, false},
-    FaultWord{"duplicate_node", CanFault::kTwin, Fault::kGarble, kCan | kSerial, Value::kShare, false, true},
+    FaultWord{"duplicate_node", CanFault::kTwin, Fault::kGarble, kCan | kSerial | kEthernet, Value::kShare, false,
+              true},
 };
 constexpr std::array<std::string_view, 7> kQualifiers{"share", "nth", "every", "times", "for", "id", "of"};
 constexpr std::array<std::string_view, 5> kAlone{"bus_off", "unplugged", "plugged", "half_open", "none"};
@@ -125,14 +127,16 @@ struct Wires {
   WireTap* serial = nullptr;
   WireTap* tcp = nullptr;
   WireTap* udp = nullptr;
+  bool ethernet = false;
   unsigned present() const {
     return (can != nullptr ? kCan : 0u) | (serial != nullptr ? kSerial : 0u) | (tcp != nullptr ? kTcp : 0u) |
-           (udp != nullptr ? kUdp : 0u);
+           (udp != nullptr ? kUdp : 0u) | (ethernet ? kEthernet : 0u);
   }
 };
 
 Wires wires_of(Plant& plant, DriveUnit& drive, const Json& map) {
-  Wires all{plant.can_line_of(drive), plant.serial_tap_of(drive), plant.tcp_tap_of(drive), plant.udp_tap_of(drive)};
+  Wires all{plant.can_line_of(drive), plant.serial_tap_of(drive), plant.tcp_tap_of(drive), plant.udp_tap_of(drive),
+            drive.station != nullptr};
   if (all.present() == 0) refused("the drive is on no wire.");
   if (!map.contains("port")) return all;
   Words names;
@@ -143,7 +147,13 @@ Wires wires_of(Plant& plant, DriveUnit& drive, const Json& map) {
   if (word == "serial") one.serial = all.serial;
   if (word == "tcp") one.tcp = all.tcp;
   if (word == "udp") one.udp = all.udp;
-  if (one.present() == 0) refused("the drive is on no " + (word == "can" ? "CAN bus" : word + " wire") + ".");
+  if (word == "ethernet") one.ethernet = all.ethernet;
+  if (one.present() == 0)
+    refused("the drive is on no " +
+            (word == "can"        ? "CAN bus"
+             : word == "ethernet" ? "Ethernet"
+                                  : word + " wire") +
+            ".");
   return one;
 }
 
@@ -158,6 +168,7 @@ bool act_at_once(Plant& plant, DriveUnit& drive, const Wires& wires, const Json&
     if (wires.can != nullptr) wires.can->clear_faults();
     for (WireTap* tap : {wires.serial, wires.tcp, wires.udp})
       if (tap != nullptr) tap->clear_faults();
+    if (wires.ethernet) plant.set_double(drive, false);
     return true;
   }
   if (word == "half_open") {
@@ -241,6 +252,10 @@ void set_on_stream(WireTap& tap, const FaultWord& fault, const Order& order, std
   }
 }
 
+std::string word_on_ethernet(const FaultWord& fault) {
+  return std::string(fault.word) + " of a board on Ethernet is on or off";
+}
+
 void set_fault(Plant& plant, DriveUnit& drive, const Wires& wires, const FaultWord& fault, const Json& map) {
   const unsigned usable = wires.present() & fault.wires;
   if (usable == 0) {
@@ -253,6 +268,14 @@ void set_fault(Plant& plant, DriveUnit& drive, const Wires& wires, const FaultWo
   std::string of = map.contains("of") ? word_of(map["of"], {"own", "master", "all"}, "of") : "all";
   if (fault.of_master) of = "master";
   if (fault.of_own) of = "own";
+  if ((usable & kEthernet) != 0) {
+    // It is there or not: no matter of frames.
+    const double share = order.when.probability;
+    for (const char* chosen : {"nth", "every", "times", "for", "of", "id"})
+      if (map.contains(chosen)) invalid(word_on_ethernet(fault) + " without " + chosen + ".");
+    if (share != 0 && share != 1) invalid(word_on_ethernet(fault) + ".");
+    plant.set_double(drive, share != 0);
+  }
   if ((usable & kCan) != 0) set_on_can(plant, drive, *wires.can, fault, order, of, map);
   if ((usable & kSerial) != 0) set_on_stream(*wires.serial, fault, order, of);
   if ((usable & kTcp) != 0) set_on_stream(*wires.tcp, fault, order, of);
@@ -270,6 +293,7 @@ Json report(const DriveUnit& drive, const Wires& wires) {
   if (wires.tcp != nullptr) out["tcp_faults"] = faults_json(*wires.tcp);
   if (wires.udp != nullptr) out["udp_faults"] = faults_json(*wires.udp);
   if (drive.station != nullptr) out["plugged"] = drive.station->plugged();
+  if (wires.ethernet) out["duplicate_node"] = drive.has_double;
   return out;
 }
 

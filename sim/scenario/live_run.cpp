@@ -10,6 +10,7 @@
 #include "sim/rig/words.hpp"
 #include "sim/scenario/units.hpp"
 #include "sim/transports/event_loop.hpp"
+#include "sim/transports/udp_socket.hpp"
 
 namespace vinv::scenario {
 namespace {
@@ -45,6 +46,12 @@ RunResult run_live(const Scenario& scenario, const rig::Catalogue& catalogue, co
     rig::LivePlant live(loop, scenario.plant, catalogue, live_options, notice);
     RunOptions run_options = options;
     run_options.live = true;
+    run_options.open_udp =
+        [&loop](const Ipv4Endpoint& own) -> Result<std::unique_ptr<transports::UdpPort>, std::string> {
+      auto socket = transports::UdpSocket::open(loop, {own.address, own.port});
+      if (!socket) return Unexpected(socket.error());
+      return std::unique_ptr<transports::UdpPort>(std::move(*socket));
+    };
     Runner runner(scenario, live.plant(), std::move(run_options));
     bool interrupted = false;
     runner.set_on_finished([&] { loop.stop(); });

@@ -15,6 +15,7 @@
 #include "sim/base/time.hpp"
 #include "sim/rig/commands.hpp"
 #include "sim/scenario/recording.hpp"
+#include "sim/transports/udp_port.hpp"
 
 namespace vinv::scenario {
 
@@ -43,10 +44,14 @@ class Master {
   virtual void archive_state(Archive& a) = 0;
 };
 
+// A UDP port for a master at this address of its own. Refusal: a sentence; another address may do.
+using OpenUdp = std::function<Result<std::unique_ptr<transports::UdpPort>, std::string>(const Ipv4Endpoint& own)>;
+
 struct MasterContext {
   rig::Plant& plant;
   std::uint64_t seed = 1;
   std::function<void(WireRecord record)> on_wire;
+  OpenUdp open_udp = {};  // empty: on the plant's network in memory
 };
 
 // Masters by the name that `via:` uses.

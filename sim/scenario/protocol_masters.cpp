@@ -40,6 +40,7 @@ constexpr Kind kKinds[] = {{"modbus", "modbus", Wire::kSerial},
                            {"ethernet-ip-explicit", "ethernet-ip-explicit", Wire::kEthernet},
                            {"ethernet-ip-class3", "ethernet-ip-explicit", Wire::kEthernet, true}};
 
+constexpr unsigned kAddressTries = 40;
 constexpr Duration kTcpDelay = std::chrono::microseconds(100);  // of a local network
 
 // A serial line's settings as masters have them.
@@ -246,12 +247,13 @@ class ProtocolMaster : public Master, private State {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
     }
-    Wired& wired = stations_[*wire];
-    if (wired.station == nullptr) {
-      wired.drive = index_of(drive);
-      wired.station = make(now, drive, *wire);
+    if (const auto known = stations_.find(*wire); known != stations_.end()) return known->second.station.get();
+    auto made = make(now, drive, *wire);
+    if (!made) {
+      outcome_ = Unexpected(made.error());
+      return nullptr;
     }
-    return wired.station.get();
+    return (stations_[*wire] = {index_of(drive), std::move(*made)}).station.get();
   }
 
   std::size_t index_of(const rig::DriveUnit& drive) const {
@@ -264,7 +266,9 @@ class ProtocolMaster : public Master, private State {
     return drive.ethernet != nullptr ? std::optional(index_of(drive)) : std::nullopt;
   }
 
-  std::unique_ptr<masters::Station> make(Instant now, const rig::DriveUnit& drive, std::size_t wire) {
+  using Made = Result<std::unique_ptr<masters::Station>, std::string>;
+
+  Made make(Instant now, const rig::DriveUnit& drive, std::size_t wire) {
     rig::Plant& plant = context_.plant;
     kernel::Scheduler& scheduler = plant.scheduler();
     std::unique_ptr<masters::Station> made;
@@ -311,7 +315,9 @@ class ProtocolMaster : public Master, private State {
         break;
       }
       case Wire::kEthernet: {
-        made = scanner(drive, wire);
+        auto at = scanner(drive, wire);
+        if (!at) return at;
+        made = std::move(*at);
         record.kind = WireRecord::Kind::kTcp;
         record.network =
             ipv4_text(drive.spec.board->ethernet->address) + ":" + std::to_string(ethernet_ip::kEncapsulationPort);
@@ -340,10 +346,15 @@ class ProtocolMaster : public Master, private State {
   }
 
   // A scanner has an address of its own for each adapter: both use UDP 2222.
-  std::unique_ptr<masters::Station> scanner(const rig::DriveUnit& drive, std::size_t number) {
+  Made scanner(const rig::DriveUnit& drive, std::size_t number) {
     rig::Plant& plant = context_.plant;
     const auto kind = static_cast<unsigned>(&kind_ - kKinds);
-    const std::uint32_t own = ipv4(127, 200 + kind, 1 + static_cast<unsigned>(number / 250), 1 + number % 250);
+    std::uint32_t own = ipv4(127, 200 + kind, 1 + static_cast<unsigned>(number / 250), 1 + number % 250);
+    auto io = open_udp({own, ethernet_ip::kIoPort});
+    // On this machine others may have it: a run beside this one.
+    for (unsigned tries = 1; !io && context_.open_udp && tries < kAddressTries; ++tries)
+      io = open_udp({own = own + ipv4(0, 0, 5, 0), ethernet_ip::kIoPort});
+    if (!io) return Unexpected("the scanner has no address of its own: " + io.error());
     const std::uint32_t adapter = drive.spec.board->ethernet->address;
     masters::EipStationSettings settings;
     settings.scanner.originator_serial = kind + 1;
@@ -356,15 +367,16 @@ class ProtocolMaster : public Master, private State {
       settings.wish.input_size = profile->io.input_size;
     }
     constexpr std::uint16_t kFirstPort = 50000;
-    auto io = plant.datagrams().open({own, ethernet_ip::kIoPort});
-    VINV_CHECK(io.has_value());  // nobody else has such an address
-    return std::make_unique<masters::EipStation>(
+    return std::unique_ptr<masters::Station>(std::make_unique<masters::EipStation>(
         plant.scheduler(), settings,
         [&plant, own, adapter](Instant at) {
           return plant.connect_tcp(at, {own, kFirstPort}, {adapter, ethernet_ip::kEncapsulationPort},
                                    {.delay = kTcpDelay});
         },
-        std::move(*io), &plant.streams());
+        std::move(*io), &plant.streams()));
+  }
+  Result<std::unique_ptr<transports::UdpPort>, std::string> open_udp(const Ipv4Endpoint& own) {
+    return context_.open_udp ? context_.open_udp(own) : context_.plant.datagrams().open(own);
   }
 
   // By the node in the predefined connection set.
@@ -397,12 +409,6 @@ const std::vector<std::string_view>& master_words() {
 
 // A serial line has one other end, which must not be taken from somebody without a word. Empty: none.
 static std::string objection(const Kind& kind, const rig::Plant& plant) {
-  if (kind.wire == Wire::kEthernet && kind.profile != "ethernet-ip-explicit")
-    for (const auto& d : plant.drives())
-      if (d->ethernet != nullptr && d->ethernet->is_outside())
-        return "the I/O of " + d->spec.name +
-               " is open to scanners outside, as in every live run; speak via ethernet-ip-explicit, or run in virtual "
-               "time";
   if (kind.wire != Wire::kSerial) return {};
   for (const auto& d : plant.drives())
     if (d->spec.board && d->spec.board->serial && plant.serial_is_outside(*d->spec.board->serial))

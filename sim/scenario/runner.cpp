@@ -62,7 +62,8 @@ Result<void, std::string> Runner::make_master(const std::string& name) {
   const auto kind = std::find_if(options_.masters.begin(), options_.masters.end(),
                                  [&](const MasterKind& m) { return m.name == name; });
   if (kind == options_.masters.end()) return Unexpected("there is no master \"" + name + "\".");
-  auto made = kind->make({plant_, result_.seed, [this](WireRecord r) { recorder_->add_wire(std::move(r)); }});
+  auto made = kind->make(
+      {plant_, result_.seed, [this](WireRecord r) { recorder_->add_wire(std::move(r)); }, options_.open_udp});
   if (!made) return Unexpected("the master " + name + " cannot start: " + rig::sentence(made.error()));
   masters_[name] = std::move(made).value();
   return {};

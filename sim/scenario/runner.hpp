@@ -25,6 +25,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;  // in place of the file's
   RecorderSettings recording;
   std::vector<MasterKind> masters;
+  OpenUdp open_udp = {};  // live: where adapters hear sockets only
 };
 
 class Runner {

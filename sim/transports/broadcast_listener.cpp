@@ -15,6 +15,12 @@ namespace {
 
 constexpr std::uint32_t kLimitedBroadcast = 0xffffffff;
 
+UdpPort::OnDatagram told_to(const UdpSocket& socket, const BroadcastListener::OnDatagram& on_datagram) {
+  return [to = socket.local(), on_datagram](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
+    on_datagram(now, from, to, bytes);
+  };
+}
+
 std::uint32_t address_in(const sockaddr* address) {
   return ntohl(reinterpret_cast<const sockaddr_in*>(address)->sin_addr.s_addr);
 }
@@ -38,7 +44,7 @@ Result<NetworkInterface, std::string> find_interface(std::uint32_t address) {
 Result<std::unique_ptr<BroadcastListener>, std::string> BroadcastListener::open(EventLoop& loop,
                                                                                 const NetworkInterface& where,
                                                                                 std::uint16_t port,
-                                                                                UdpPort::OnDatagram on_datagram) {
+                                                                                OnDatagram on_datagram) {
   std::unique_ptr<BroadcastListener> listener(new BroadcastListener);
   UdpSocketOptions options;
   options.port = port;
@@ -47,14 +53,14 @@ Result<std::unique_ptr<BroadcastListener>, std::string> BroadcastListener::open(
   auto directed = UdpSocket::open(loop, options);
   if (!directed) return Unexpected(directed.error());
   listener->directed_ = std::move(*directed);
-  listener->directed_->set_handler(on_datagram);
+  listener->directed_->set_handler(told_to(*listener->directed_, on_datagram));
   if (where.is_loopback) return listener;
   options.address = kLimitedBroadcast;
   options.interface_index = where.index;
   auto limited = UdpSocket::open(loop, options);
   if (!limited) return Unexpected(limited.error());
   listener->limited_ = std::move(*limited);
-  listener->limited_->set_handler(std::move(on_datagram));
+  listener->limited_->set_handler(told_to(*listener->limited_, on_datagram));
   return listener;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -24,11 +25,13 @@ Result<NetworkInterface, std::string> find_interface(std::uint32_t address);
 
 class BroadcastListener {
  public:
+  // to: the broadcast address, and the port.
+  using OnDatagram = std::function<void(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes)>;
+
   // Hears the interface's own broadcast address and, except on the loopback, 255.255.255.255 as far as it comes in
   // there. Other programs may do the same. The loop outlives the listener.
   static Result<std::unique_ptr<BroadcastListener>, std::string> open(EventLoop& loop, const NetworkInterface& where,
-                                                                      std::uint16_t port,
-                                                                      UdpPort::OnDatagram on_datagram);
+                                                                      std::uint16_t port, OnDatagram on_datagram);
 
  private:
   BroadcastListener() = default;

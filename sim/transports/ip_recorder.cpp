@@ -21,9 +21,9 @@ IpEndpoint test_net(std::uint32_t number, std::uint16_t port) {
 class RecordedTcp : public ByteStream {
  public:
   RecordedTcp(Instant now, std::unique_ptr<ByteStream> inner, std::shared_ptr<CaptureFile> file,
-              std::uint32_t interface_id, IpEndpoint client, IpEndpoint server, std::uint32_t number)
+              std::uint32_t interface_id, IpEndpoint client, IpEndpoint server, std::uint32_t number, std::uint8_t dscp)
       : inner_(std::move(inner)),
-        state_(std::make_shared<State>(std::move(file), interface_id, client, server, number)) {
+        state_(std::make_shared<State>(std::move(file), interface_id, client, server, number, dscp)) {
     state_->last = now;
     state_->conversation.open();
   }
@@ -57,11 +57,15 @@ class RecordedTcp : public ByteStream {
  private:
   struct State {
     State(std::shared_ptr<CaptureFile> f, std::uint32_t interface_id, IpEndpoint client, IpEndpoint server,
-          std::uint32_t number)
-        : file(std::move(f)), conversation(client, server, number, [this, interface_id](TcpSide from, ByteView frame) {
-            file->packet(interface_id, last, frame,
-                         from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
-          }) {}
+          std::uint32_t number, std::uint8_t dscp)
+        : file(std::move(f)),
+          conversation(
+              client, server, number,
+              [this, interface_id](TcpSide from, ByteView frame) {
+                file->packet(interface_id, last, frame,
+                             from == TcpSide::kClient ? PacketDirection::kInbound : PacketDirection::kOutbound);
+              },
+              dscp) {}
 
     void data(Instant now, TcpSide from, ByteView bytes) {
       if (ended) return;
@@ -125,6 +129,11 @@ std::unique_ptr<UdpPort> IpRecorder::wrap(std::unique_ptr<UdpPort> port) {
   return std::make_unique<RecordedUdp>(std::move(port), file_, interface_id_);
 }
 
+void IpRecorder::received(Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes) {
+  make_udp_frame(frame_, from, to, bytes, {ip_id_++, 0});
+  file_->packet(interface_id_, now, frame_, PacketDirection::kInbound);
+}
+
 Result<std::unique_ptr<IpRecorder>, std::string> IpRecorder::open(const std::string& path, std::int64_t start_unix_ns) {
   auto file = CaptureFile::create(path, start_unix_ns);
   if (!file) return Unexpected(file.error());
@@ -135,14 +144,14 @@ IpRecorder::IpRecorder(std::shared_ptr<CaptureFile> file)
     : file_(std::move(file)), interface_id_(file_->add_interface(LinkType::kEthernet, "tcp")) {}
 
 std::unique_ptr<ByteStream> IpRecorder::wrap(Instant now, std::unique_ptr<ByteStream> stream, const std::string& host,
-                                             std::uint16_t port) {
+                                             std::uint16_t port, std::uint8_t dscp) {
   const std::uint32_t number = connections_++;
   const bool is_v6 = host.find(':') != std::string::npos;
   const std::string ours = (is_v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
   const IpEndpoint server = parse_ip_endpoint(ours).value_or(test_net(253, port));
   const IpEndpoint client = parse_ip_endpoint(stream->name())
                                 .value_or(test_net(number % 253, static_cast<std::uint16_t>(49152 + number % 16384)));
-  return std::make_unique<RecordedTcp>(now, std::move(stream), file_, interface_id_, client, server, number);
+  return std::make_unique<RecordedTcp>(now, std::move(stream), file_, interface_id_, client, server, number, dscp);
 }
 
 }  // namespace vinv::transports

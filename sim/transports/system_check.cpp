@@ -10,9 +10,12 @@
 #include <fstream>
 #include <vector>
 
+#include "sim/base/ipv4.hpp"
 #include "sim/transports/io_error.hpp"
+#include "sim/transports/port_holder.hpp"
 #include "sim/transports/serial_pty.hpp"
 #include "sim/transports/tcp_listener.hpp"
+#include "sim/transports/udp_socket.hpp"
 #include "sim/transports/unique_fd.hpp"
 
 namespace vinv::transports {
@@ -74,6 +77,31 @@ Finding can_bind(const std::string& host, std::uint16_t port) {
   const auto listener = TcpListener::open(loop, options, [](Instant, std::unique_ptr<ByteStream>) {});
   if (!listener) return {false, sentence(listener.error())};
   return {true, "TCP " + host + " port " + std::to_string(port) + " is free to listen on."};
+}
+
+Finding can_be_adapter(std::uint32_t address, std::uint16_t explicit_port, std::uint16_t io_port) {
+  EventLoop loop;
+  std::string wrong;
+  bool everywhere = false;
+  const auto look = [&](PortKind kind, std::uint16_t port, const std::string& refusal) {
+    if (refusal.empty()) return;
+    wrong += sentence(refusal) + " ";
+    for (const PortHolder& h : holders_of(kind, address, port)) {
+      everywhere = everywhere || h.address != ipv4_text(address);
+      wrong += h.address + ":" + std::to_string(port) + " is held by " +
+               (h.program.empty() ? "a program of another user" : h.program) + ". ";
+    }
+  };
+  const auto tcp = TcpListener::open(loop, {ipv4_text(address), explicit_port}, [](Instant, auto) {});
+  look(PortKind::kTcp, explicit_port, tcp ? "" : tcp.error());
+  const auto udp = UdpSocket::open(loop, {address, explicit_port});
+  look(PortKind::kUdp, explicit_port, udp ? "" : udp.error());
+  const auto io = UdpSocket::open(loop, {address, io_port});
+  look(PortKind::kUdp, io_port, io ? "" : io.error());
+  const std::string ports = "TCP and UDP " + std::to_string(explicit_port) + ", UDP " + std::to_string(io_port);
+  if (wrong.empty()) return {true, "An adapter can be at " + ipv4_text(address) + " (" + ports + ")."};
+  return {false, wrong + "An adapter needs " + ports + " of its own address" +
+                     (everywhere ? ": who has them on every address has to bind its own only, or end." : ".")};
 }
 
 Finding can_schedule_realtime() {

@@ -78,8 +78,9 @@ std::optional<IpEndpoint> parse_ip_endpoint(const std::string& text) {
   return end;
 }
 
-TcpConversation::TcpConversation(IpEndpoint client, IpEndpoint server, std::uint32_t number, Emit emit)
-    : ends_{client, server}, emit_(std::move(emit)) {
+TcpConversation::TcpConversation(IpEndpoint client, IpEndpoint server, std::uint32_t number, Emit emit,
+                                 std::uint8_t server_dscp)
+    : ends_{client, server}, emit_(std::move(emit)), dscp_{0, server_dscp} {
   if (client.is_v6 || server.is_v6) {
     for (IpEndpoint& end : ends_) map_to_v6(end);
   }
@@ -120,12 +121,12 @@ void TcpConversation::segment(TcpSide from, std::uint8_t flags, ByteView payload
 
   const std::size_t ip_at = f.size();
   if (source.is_v6) {
-    append_be32(f, 0x60000000);
+    append_be32(f, 0x60000000u | static_cast<std::uint32_t>(dscp_[index(from)]) << 22);
     append_be16(f, static_cast<std::uint16_t>(tcp_bytes));
     f.push_back(kProtocolTcp);
     f.push_back(kTimeToLive);
   } else {
-    append_be16(f, 0x4500);
+    append_be16(f, static_cast<std::uint16_t>(0x4500 | dscp_[index(from)] << 2));
     append_be16(f, static_cast<std::uint16_t>(20 + tcp_bytes));
     append_be16(f, next_ip_id_[index(from)]++);
     append_be16(f, 0x4000);  // do not fragment

@@ -32,8 +32,8 @@ class TcpConversation {
   static constexpr std::size_t kMaxSegmentBytes = 1440;
 
   // number tells connections between the same ends apart by their initial sequence numbers. If one end is IPv6, the
-  // other becomes its IPv4-mapped address.
-  TcpConversation(IpEndpoint client, IpEndpoint server, std::uint32_t number, Emit emit);
+  // other becomes its IPv4-mapped address. server_dscp: of what the server sends.
+  TcpConversation(IpEndpoint client, IpEndpoint server, std::uint32_t number, Emit emit, std::uint8_t server_dscp = 0);
 
   void open();
   void data(TcpSide from, ByteView bytes);
@@ -47,6 +47,7 @@ class TcpConversation {
   std::array<std::uint32_t, 2> next_sequence_{};
   std::array<std::uint16_t, 2> next_ip_id_{};
   Emit emit_;
+  std::array<std::uint8_t, 2> dscp_{};
   Bytes frame_;
 };
 

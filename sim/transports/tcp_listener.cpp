@@ -1,5 +1,6 @@
 #include "sim/transports/tcp_listener.hpp"
 
+#include <netinet/in.h>
 #include <netinet/tcp.h>
 
 #include <asio/detail/socket_option.hpp>
@@ -25,6 +26,7 @@ constexpr int kKeepAliveProbes = 5;
 
 using KeepAliveIdle = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_KEEPIDLE>;
 using KeepAliveInterval = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_KEEPINTVL>;
+using TypeOfService = asio::detail::socket_option::integer<IPPROTO_IP, IP_TOS>;
 using KeepAliveProbes = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_KEEPCNT>;
 
 std::string text(const asio::ip::address& address, std::uint16_t port) {
@@ -97,6 +99,8 @@ Result<std::unique_ptr<TcpListener>, std::string> TcpListener::open(EventLoop& l
   if (error) return Unexpected(refusal(where, error.value()));
   // A restart must not wait for connections of the last run that are in TIME_WAIT.
   impl->acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  // Accepted sockets have it from here.
+  if (!error && options.dscp != 0) impl->acceptor.set_option(TypeOfService(options.dscp << 2), error);
   if (!error) impl->acceptor.bind(endpoint, error);
   if (!error) impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (!error) impl->bound = impl->acceptor.local_endpoint(error);

@@ -19,6 +19,7 @@ struct TcpListenerOptions {
   std::string host = "127.0.0.1";  // an IPv4 or IPv6 address, or localhost
   std::uint16_t port = 0;          // 0: a free one, see TcpListener::port()
   std::size_t max_connections = kMaxConnections;
+  std::uint8_t dscp = 0;  // of what is sent over its connections, the handshake included (IPv4)
 };
 
 class TcpListener {

@@ -195,11 +195,31 @@ void UdpSocket::send(Instant, const Ipv4Endpoint& to, ByteView bytes, std::uint8
 }
 
 Result<void, std::string> UdpSocket::join(std::uint32_t group) {
-  if (impl_->change_membership(IP_ADD_MEMBERSHIP, group)) return {};
-  return Unexpected("cannot join " + ipv4_text(group) + " on " + text(impl_->local) + ": " + describe_errno(errno));
+  const std::uint32_t own = impl_->local.address;
+  if (own == 0 || is_multicast(own)) {
+    if (impl_->change_membership(IP_ADD_MEMBERSHIP, group)) return {};
+    return Unexpected("cannot join " + ipv4_text(group) + " on " + text(impl_->local) + ": " + describe_errno(errno));
+  }
+  UdpSocketOptions options;
+  options.address = group;
+  options.port = impl_->local.port;
+  options.shared = true;
+  auto socket = open(impl_->loop, options);
+  if (!socket) return Unexpected(socket.error());
+  (*socket)->impl_->member_by = own;
+  if (const auto joined = (*socket)->join(group); !joined) return joined;
+  (*socket)->set_handler([to = std::weak_ptr(impl_)](Instant now, const Ipv4Endpoint& from, ByteView bytes) {
+    const auto impl = to.lock();
+    const auto keep = impl != nullptr ? impl->handler : nullptr;
+    if (keep && *keep) (*keep)(now, from, bytes);
+  });
+  groups_[group] = std::move(*socket);
+  return {};
 }
 
-void UdpSocket::leave(std::uint32_t group) { impl_->change_membership(IP_DROP_MEMBERSHIP, group); }
+void UdpSocket::leave(std::uint32_t group) {
+  if (groups_.erase(group) == 0) impl_->change_membership(IP_DROP_MEMBERSHIP, group);
+}
 
 Ipv4Endpoint UdpSocket::local() const { return impl_->local; }
 

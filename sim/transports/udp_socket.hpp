@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -39,6 +40,8 @@ class UdpSocket : public UdpPort {
   struct Impl;
   explicit UdpSocket(std::shared_ptr<Impl> impl);
   std::shared_ptr<Impl> impl_;
+  // A socket that is bound to a host's address gets nothing of a group: one more for each.
+  std::map<std::uint32_t, std::unique_ptr<UdpSocket>> groups_;
 };
 
 }  // namespace vinv::transports

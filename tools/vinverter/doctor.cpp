@@ -5,12 +5,16 @@
 #include <memory>
 #include <stdexcept>
 
+#include "option_boards/ethernet_ip/encapsulation.hpp"
+#include "sim/base/ipv4.hpp"
 #include "sim/rig/folders.hpp"
 #include "sim/transports/system_check.hpp"
 #include "tools/vinverter/subcommands.hpp"
 
 namespace vinv::tools {
 namespace {
+
+constexpr std::uint32_t kFirstAdapter = ipv4(127, 0, 0, 2);  // where plants put theirs
 
 transports::Finding runtime_folder() {
   try {
@@ -33,6 +37,8 @@ int doctor() {
   show("TCP port 1502", transports::can_bind("127.0.0.1", 1502), false);
   show("TCP port 502", transports::can_bind("127.0.0.1", 502), false);
   show("TCP port 29536", transports::can_bind("127.0.0.1", 29536), false);
+  show("EtherNet/IP", transports::can_be_adapter(kFirstAdapter, ethernet_ip::kEncapsulationPort, ethernet_ip::kIoPort),
+       false);
   show("kernel CAN", transports::has_kernel_can(), false);
   show("real-time", transports::can_schedule_realtime(), false);
   fmt::print("\nlateness of a 1 ms tick over one second:\n{}\n", transports::measure_timer_lateness().text());

@@ -133,7 +133,11 @@ TEST(CipIdentity, KeyMatchesWhatItNames) {
   EXPECT_EQ(match_key({0, 0, 0, 1, false, 9}, is), KeyMatch::kRevision);
   EXPECT_EQ(match_key({0, 0, 0, 1, true, 9}, is), KeyMatch::kMatches);
   EXPECT_EQ(match_key({0, 0, 0, 1, true, 11}, is), KeyMatch::kRevision);
-  EXPECT_EQ(match_key({0, 0, 0, 0, true, 0}, is), KeyMatch::kMatches);
+  EXPECT_EQ(match_key({0, 0, 0, 1, true, 10}, is), KeyMatch::kMatches);
+  EXPECT_EQ(match_key({0, 0, 0, 1, true, 0}, is), KeyMatch::kRevision) << "what a device is compatible with has a name";
+  EXPECT_EQ(match_key({0, 0, 0, 0, true, 9}, is), KeyMatch::kRevision);
+  EXPECT_EQ(match_key({0, 0, 0, 2, true, 9}, is), KeyMatch::kRevision);
+  EXPECT_EQ(match_key({0, 0, 0, 0, false, 9}, is), KeyMatch::kMatches) << "any major has any minor";
 }
 
 }  // namespace

@@ -42,6 +42,16 @@ TEST(CommonPacketTest, SocketAddressesAreBigEndian) {
   EXPECT_EQ(to_hex(out), "00 02 08 AE 7F 00 00 05 00 00 00 00 00 00 00 00");
 }
 
+TEST(CommonPacketTest, UnknownFurtherItemsArePassedOver) {
+  const auto bytes = from_hex(
+      "04 00  00 00 00 00  B2 00 01 00 0E  34 12 03 00 01 02 03"
+      "  01 80 10 00 00 02 13 88 EF C0 01 80 00 00 00 00 00 00 00 00");
+  const auto packet = parse_common_packet(bytes);
+  ASSERT_TRUE(packet);
+  EXPECT_EQ(to_hex(packet->data), "0E");
+  EXPECT_EQ(packet->t2o_sockaddr, (Ipv4Endpoint{ipv4(239, 192, 1, 128), 5000}));
+}
+
 struct Malformed {
   const char* name;
   const char* hex;
@@ -67,6 +77,8 @@ constexpr Malformed kMalformed[] = {
     {"NullAddressWithData", "02 00 00 00 01 00 01 B2 00 00 00", PacketError::kBadAddressItem},
     {"ConnectedAddressTooShort", "02 00 A1 00 02 00 01 02 B1 00 00 00", PacketError::kBadAddressItem},
     {"SequencedAddressTooShort", "02 00 02 80 04 00 01 02 03 04 B1 00 00 00", PacketError::kBadAddressItem},
+    {"SequencedAddressTooLong", "02 00 02 80 09 00 01 02 03 04 05 06 07 08 09 B1 00 00 00",
+     PacketError::kBadAddressItem},
     {"DataBeforeAddress", "02 00 B2 00 00 00 00 00 00 00", PacketError::kBadAddressItem},
     {"ConnectedDataWithNullAddress", "02 00 00 00 00 00 B1 00 00 00", PacketError::kBadDataItem},
     {"UnconnectedDataWithConnectedAddress", "02 00 A1 00 04 00 01 02 03 04 B2 00 00 00", PacketError::kBadDataItem},
@@ -78,7 +90,9 @@ constexpr Malformed kMalformed[] = {
      "04 00 00 00 00 00 B2 00 00 00 01 80 10 00 00 02 08 AE 00 00 00 00 00 00 00 00 00 00 00 00"
      "01 80 10 00 00 02 08 AE 00 00 00 00 00 00 00 00 00 00 00 00",
      PacketError::kBadSockaddr},
-    {"UnknownItem", "03 00 00 00 00 00 B2 00 00 00 34 12 00 00", PacketError::kUnknownItem},
+    {"UnknownItemLongerThanPacket", "03 00 00 00 00 00 B2 00 00 00 34 12 02 00 00", PacketError::kTruncated},
+    {"UnknownItemFirst", "02 00 34 12 00 00 B2 00 00 00", PacketError::kBadAddressItem},
+    {"UnknownItemForData", "02 00 00 00 00 00 34 12 00 00", PacketError::kBadDataItem},
 };
 INSTANTIATE_TEST_SUITE_P(All, MalformedPacketTest, ::testing::ValuesIn(kMalformed),
                          [](const auto& one) { return one.param.name; });

@@ -153,6 +153,18 @@ const Refused kRefused[] = {
     {"FourPoints", [](OpenWish& w) { w.path = "20 04 24 64 2C 15 2C 47 2C 47"; }, "01 0315"},
     {"SegmentCutShort", [](OpenWish& w) { w.path = "20 04 2C 15 2D 00"; }, "01 0315"},
     {"RouteToAnotherPort", [](OpenWish& w) { w.path = "01 00 20 04 2C 15 2C 47"; }, "01 0311"},
+    {"HeartbeatWithHeader",
+     [](OpenWish& w) {
+       w = input_only(1);
+       w.o2t = 0x4800 | 6;
+     },
+     "01 0127 0002"},
+    {"AnotherClassForThePoint", [](OpenWish& w) { w.path = "20 04 2C 15 20 70 2C 47"; }, "01 0117"},
+    {"AttributeBeforeThePoint", [](OpenWish& w) { w.path = "20 04 30 03 2C 15 2C 47"; }, "01 0315"},
+    {"KeyBehindTheClass", [](OpenWish& w) { w.path = "20 04 34 04 00 00 00 00 00 00 00 00 2C 15 2C 47"; }, "01 0315"},
+    {"TwoInhibitTimes", [](OpenWish& w) { w.path = "43 02 43 03 20 04 2C 15 2C 47"; }, "01 0315"},
+    {"InhibitTimeOfTheWrongSize", [](OpenWish& w) { w.path = "51 01 00 00 20 04 2C 15 2C 47"; }, "01 0315"},
+    {"TwoDataSegments", [](OpenWish& w) { w.path = "20 04 24 64 2C 15 2C 47 80 01 01 02 80 01 03 04"; }, "01 0315"},
     {"ListenOnlyWithoutOwner", [](OpenWish& w) { w = listen_only(1); }, "01 0119"},
     {"ExplicitAsClient",
      [](OpenWish& w) {
@@ -166,6 +178,24 @@ const Refused kRefused[] = {
        w.t2o = 0x2000 | 500;
      },
      "01 0124"},
+    {"ExplicitO2tMulticast",
+     [](OpenWish& w) {
+       w = explicit_one(1);
+       w.o2t = 0x2000 | 500;
+     },
+     "01 0123"},
+    {"ExplicitWithoutInterval",
+     [](OpenWish& w) {
+       w = explicit_one(1);
+       w.o2t_rpi_us = 0;
+     },
+     "01 0111"},
+    {"ExplicitWithConfiguration",
+     [](OpenWish& w) {
+       w = explicit_one(1);
+       w.path = "20 02 24 01 80 01 01 02";
+     },
+     "01 0117"},
     {"ExplicitToAnotherClass",
      [](OpenWish& w) {
        w = explicit_one(1);
@@ -203,6 +233,15 @@ TEST_F(ConnectionOpeningTest, MatchingKeysAreTaken) {
   }
 }
 
+TEST_F(ConnectionOpeningTest, TriggerOfAServerMeansNothing) {
+  unsigned serial = 1;
+  for (const unsigned trigger : {0u, 1u, 2u, 3u, 7u}) {
+    OpenWish w = explicit_one(serial++);
+    w.transport = 0x83 | trigger << 4;
+    EXPECT_EQ(master.open_status(w), "00") << trigger;
+  }
+}
+
 TEST_F(ConnectionOpeningTest, SameTriadAgainIsADuplicate) {
   EXPECT_EQ(master.open_status({}), "00");
   EXPECT_EQ(master.open_status({}), "01 0100");
@@ -229,6 +268,65 @@ TEST_F(ConnectionOpeningTest, AnotherConfigurationThanTheOwnersIsAConflict) {
   EXPECT_EQ(master.open_status(second), "01 0106");
   second.path = "20 04 24 64 2C 1E 2C 47 80 02 01 02 03 04";
   EXPECT_EQ(master.open_status(second), "00");
+}
+
+TEST_F(ConnectionOpeningTest, ConfigurationOfAConnectionIsItsOriginatorsToChange) {
+  OpenWish w;
+  w.path = "20 04 24 64 2C 15 2C 47 80 02 01 02 03 04";
+  EXPECT_EQ(master.open_status(w), "00");
+  OpenWish null = w;
+  null.o2t = null.t2o = 0;
+  null.path = "20 04 24 64 80 02 01 02 03 05";
+  EXPECT_EQ(master.open_status(null), "00") << "the same triad";
+  null.serial = 2;
+  null.path = "20 04 24 64 80 02 01 02 03 06";
+  EXPECT_EQ(master.open_status(null), "01 0106");
+  EXPECT_EQ(to_hex(bench.device.configuration), "01 02 03 05");
+}
+
+TEST_F(ConnectionOpeningTest, OwnerWithoutConfigurationDataLeavesItToOthers) {
+  OpenWish w;
+  w.path = "20 04 24 64 2C 15 2C 47";
+  EXPECT_EQ(master.open_status(w), "00");
+  OpenWish second = input_only(2);
+  second.path = "20 04 24 64 2C 1E 2C 47 80 02 01 02 03 05";
+  EXPECT_EQ(master.open_status(second), "00");
+}
+
+TEST_F(ConnectionOpeningTest, ListeningTakesAMulticastOfThatPoint) {
+  OpenWish w;
+  w.t2o = kMulticast | 6;
+  ASSERT_EQ(master.open_status(w), "00");
+  OpenWish other = listen_only(2);
+  other.path = "20 04 2C 1F 2C 46";
+  EXPECT_EQ(master.open_status(other), "01 0119");
+  other = listen_only(2);
+  other.t2o = 0x4800 | 6;
+  EXPECT_EQ(master.open_status(other), "01 0124");
+}
+
+TEST(ConnectionLimitsTest, TwoOwnersShareNoPoint) {
+  AdapterOptions options;
+  options.connections.exclusive_owners = 2;
+  AdapterBench bench(options);
+  auto master = Master::registered(bench);
+  EXPECT_EQ(master.open_status({}), "00");
+  OpenWish w;
+  w.serial = 2;
+  EXPECT_EQ(master.open_status(w), "01 0106");
+  w.path = "20 04 2C 14 2C 46";
+  EXPECT_EQ(master.open_status(w), "00");
+}
+
+TEST(ConnectionPortTest, MulticastAddressFollowsTheNetmask) {
+  AdapterBench bench;
+  bench.adapter.start({ipv4(192, 168, 1, 5), ipv4(255, 255, 0, 0), 2222});
+  auto master = Master::registered(bench);
+  OpenWish w;
+  w.t2o = kMulticast | 6;
+  master.open(w);
+  // Host 0105h: 260 times 32 above 239.192.1.0.
+  EXPECT_EQ(to_hex(ByteView(master.last).last(16)), "00 02 08 AE EF C0 21 80 00 00 00 00 00 00 00 00");
 }
 
 TEST(ConnectionLimitsTest, OutOfConnections) {

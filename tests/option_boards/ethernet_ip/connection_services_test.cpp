@@ -31,6 +31,32 @@ TEST_F(ConnectionServicesTest, ConnectionDataByNumberAndByTriad) {
   EXPECT_EQ(master.request_hex("57 02 20 06 24 01 01 00 37 13 2A 00 00 00"), "D7 00 00 00 " + data);
 }
 
+// It gets the multicast that there is, more often than it asked for.
+TEST_F(ConnectionServicesTest, DataOfAFurtherConsumerHaveItsWishAndTheActualInterval) {
+  OpenWish w;
+  w.t2o = 0x2800 | 6;
+  ASSERT_NE(master.open_id(w), 0u);
+  w.serial = 2;
+  w.o2t = 0x4800 | 2;
+  w.t2o_rpi_us = 20'000;
+  w.path = "20 04 2C 1F 2C 47";
+  ASSERT_NE(master.open_id(w), 0u);
+  const std::string data = master.request_hex("56 02 20 06 24 01 02 00");
+  EXPECT_EQ(data.substr(data.size() - 23), "20 4E 00 00 10 27 00 00");
+}
+
+TEST_F(ConnectionServicesTest, NumberOfAClosedConnectionIsFree) {
+  OpenWish w;
+  ASSERT_NE(master.open_id(w), 0u);
+  w.serial = 2;
+  w.o2t = 0x4800 | 2;
+  w.path = "20 04 2C 1E 2C 47";
+  ASSERT_NE(master.open_id(w), 0u);
+  master.close({});
+  EXPECT_EQ(master.request_hex("56 02 20 06 24 01 01 00"), "D6 00 05 00");
+  EXPECT_EQ(master.request_hex("56 02 20 06 24 01 02 00").substr(0, 17), "D6 00 00 00 02 00");
+}
+
 TEST_F(ConnectionServicesTest, UnknownConnectionsAreRefused) {
   EXPECT_EQ(master.request_hex("56 02 20 06 24 01 01 00"), "D6 00 05 00");
   EXPECT_EQ(master.request_hex("56 02 20 06 24 01 00 00"), "D6 00 05 00");

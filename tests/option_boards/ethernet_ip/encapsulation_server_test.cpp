@@ -73,7 +73,12 @@ TEST_F(EncapsulationServerTest, BroadcastAnswersWaitForARandomTimeWithinTheOneAs
   for (int i = 0; i < 20; ++i) bench.adapter.handle_udp(bench.now, kAsker, ask, Cast::kBroadcast);
   EXPECT_TRUE(bench.take(Channel::kUdp).empty());
   bench.advance(3s);
-  for (const auto& p : bench.take(Channel::kUdp)) answers.push_back(p.at);
+  for (const auto& p : bench.take(Channel::kUdp)) {
+    answers.push_back(p.at);
+    EXPECT_EQ(p.to, kAsker);
+    EXPECT_EQ(p.dscp, kExplicitDscp);
+    EXPECT_EQ(to_hex(ByteView(p.bytes).subspan(12, 8)), "E8 03 03 04 05 06 07 08") << "the sender's context";
+  }
   ASSERT_EQ(answers.size(), 20u);
   EXPECT_LT(answers.back(), asked + 1000ms);
   EXPECT_GT(answers.back(), asked + 500ms);
@@ -179,6 +184,9 @@ TEST_F(EncapsulationServerTest, WrongLengthsAreRefused) {
   auto m = Master::registered(bench);
   EXPECT_EQ(status_of(m.command(0x65, from_hex("01 00 00"))), 0x65u);
   EXPECT_EQ(status_of(m.command(0x63, {0})), 0x65u);
+  EXPECT_EQ(status_of(m.command(0x04, {0})), 0x65u);
+  EXPECT_EQ(status_of(m.command(0x64, {0})), 0x65u);
+  EXPECT_EQ(status_of(m.command(0x66, {0})), 0x65u);
   EXPECT_EQ(status_of(m.command(0x6f, Bytes(5, 0))), 0x65u);
   EXPECT_EQ(status_of(m.command(0x70, Bytes(5, 0))), 0x65u);
   EXPECT_EQ(status_of(m.command(0x6f, Bytes(kMaxEncapsulatedData + 1, 0))), 0x65u);

@@ -141,6 +141,26 @@ TEST_F(ExplicitMessagesTest, Class3MessageLargerThanAgreedIsDropped) {
   const auto id = master.open_id(wish);
   EXPECT_EQ(to_hex(master.connected(id, 1, from_hex(kGet))), "01 00 8E 00 00 00 34 12");
   EXPECT_EQ(master.connected(id, 2, from_hex(kSet)), Bytes{});
+  EXPECT_EQ(bench.device.object.requests, 1) << "nobody has seen it";
+}
+
+// The answer before is not the answer to what is under way.
+TEST_F(ExplicitMessagesTest, RepeatedClass3RequestUnderWayHasNoAnswerOfAnEarlierOne) {
+  const auto id = master.open_id(wish);
+  EXPECT_EQ(to_hex(master.connected(id, 1, from_hex(kGet))), "01 00 8E 00 00 00 34 12");
+  EXPECT_EQ(master.connected(id, 2, from_hex(kSet)), Bytes{});
+  EXPECT_EQ(master.connected(id, 2, from_hex(kSet)), Bytes{});
+}
+
+TEST_F(ExplicitMessagesTest, EndOfATcpConnectionIsThatOfItsOwnClass3ConnectionsOnly) {
+  auto other = Master::registered(bench);
+  OpenWish second = wish;
+  second.serial = 2;
+  ASSERT_NE(master.open_id(wish), 0u);
+  const auto id = other.open_id(second);
+  bench.adapter.handle_tcp_closed(bench.now, master.tcp);
+  EXPECT_EQ(bench.adapter.connections().explicit_connections(), 1u);
+  EXPECT_EQ(to_hex(other.connected(id, 1, from_hex(kGet))), "01 00 8E 00 00 00 34 12");
 }
 
 TEST_F(ExplicitMessagesTest, Class3ConnectionBelongsToItsTcpConnection) {

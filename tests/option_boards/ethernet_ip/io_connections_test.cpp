@@ -91,8 +91,61 @@ TEST_F(IoConnectionsTest, PacketsGoToThePortOfTheSocketAddressItemButOnlyToTheOr
   EXPECT_EQ(packets[0].to, (Ipv4Endpoint{ipv4(127, 0, 0, 1), 12'345}));
 }
 
+TEST_F(IoConnectionsTest, SocketAddressWithoutPortMeansTheStandardOne) {
+  OpenWish w;
+  w.extra_items = item(0x8001, from_hex("00 02 00 00 00 00 00 00 00 00 00 00 00 00 00 00"));
+  w.item_count = 3;
+  open(w);
+  EXPECT_EQ(io().at(0).to, (Ipv4Endpoint{ipv4(127, 0, 0, 1), 2222}));
+}
+
+TEST_F(IoConnectionsTest, PacketsAreMarkedByTheirPriority) {
+  constexpr std::uint8_t kMarks[] = {31, 43, 47, 55};
+  for (unsigned priority = 0; priority < 4; ++priority) {
+    OpenWish w;
+    w.t2o = 0x4000 | priority << 10 | 6;
+    open(w);
+    EXPECT_EQ(io().at(0).dscp, kMarks[priority]);
+    master.close(w);
+  }
+}
+
+TEST_F(IoConnectionsTest, Class0TimesOutLikeClass1) {
+  OpenWish w;
+  w.transport = 0x00;
+  w.o2t = 0x4800 | 8;
+  w.t2o = 0x4800 | 4;
+  const auto id = open(w);
+  const Bytes packet = join({le16(2), item(0xa1, le32(id)), item(0xb1, join({le32(1), from_hex("09 08 07 06")}))});
+  bench.adapter.handle_io(bench.now, {ipv4(127, 0, 0, 1), 2222}, packet);
+  bench.take_log();
+  bench.advance(39ms);
+  EXPECT_TRUE(bench.take_log().empty());
+  bench.advance(1ms);
+  EXPECT_EQ(bench.take_log(), std::vector<std::string>{"owner 21/71 timed out"});
+}
+
+TEST_F(IoConnectionsTest, FirstTimeoutIsLongerIfTheOrdinaryOneIs) {
+  OpenWish w;
+  w.o2t_rpi_us = 100'000;
+  w.multiplier = 7;  // 512 times
+  open(w);
+  bench.advance(51'199ms);
+  EXPECT_TRUE(bench.take_log().empty());
+  bench.advance(1ms);
+  EXPECT_EQ(bench.take_log(), std::vector<std::string>{"owner 21/71 timed out"});
+}
+
+TEST_F(IoConnectionsTest, VariableT2oSizeIsFilledWithoutHeader) {
+  OpenWish w;
+  w.t2o = 0x4a00 | 100;
+  open(w);
+  EXPECT_EQ(to_hex(io().at(0).bytes), "02 00 02 80 08 00 44 33 22 11 01 00 00 00 B1 00 06 00 01 00 01 02 03 04");
+}
+
 TEST_F(IoConnectionsTest, DataGoToTheDeviceWithRunAndIdle) {
   const auto id = open();
+  EXPECT_FALSE(bench.adapter.connections().owner_mode()) << "it has not said anything yet";
   master.send_io(id, 1, 1, "01 02 03 04");
   master.send_io(id, 2, 2, "05 06 07 08", false);
   EXPECT_EQ(bench.take_log(), (std::vector<std::string>{"run 21: 01 02 03 04", "idle 21: 05 06 07 08"}));
@@ -318,6 +371,18 @@ TEST_F(IoConnectionsTest, CloseMatchesOnTheTriadAlone) {
   io();
   bench.advance(1s);
   EXPECT_TRUE(io().empty());
+}
+
+// Vol 2, 3-3.10: another session of the same host may, another host may not.
+TEST_F(IoConnectionsTest, OnlyTheHostThatOpenedCanClose) {
+  open();
+  auto other = Master::registered(bench, ipv4(127, 0, 0, 2));
+  EXPECT_EQ(to_hex(other.close({})), "CE 00 0F 00 01 00 37 13 2A 00 00 00 03 00");
+  EXPECT_TRUE(bench.take_log().empty());
+  EXPECT_EQ(bench.adapter.connections().io_connections(), 1u);
+  auto second = Master::registered(bench);
+  EXPECT_EQ(to_hex(second.close({})), "CE 00 00 00 01 00 37 13 2A 00 00 00 00 00");
+  EXPECT_EQ(bench.adapter.connections().io_connections(), 0u);
 }
 
 TEST_F(IoConnectionsTest, IoOutlivesTheTcpConnectionThatOpenedIt) {

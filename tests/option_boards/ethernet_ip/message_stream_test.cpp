@@ -56,6 +56,7 @@ TEST_F(MessageStreamTest, TooLongIsReportedOnceAndSkipped) {
     for (const auto& text : feed(ByteView(bytes).subspan(at, std::min<std::size_t>(1000, bytes.size() - at))))
       found.push_back(text);
   EXPECT_EQ(found, (std::vector<std::string>{"111:too long", "4:"}));
+  EXPECT_FALSE(stream.deadline()) << "it is behind us";
 }
 
 TEST_F(MessageStreamTest, LongestMessageFits) {

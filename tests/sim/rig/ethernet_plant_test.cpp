@@ -220,6 +220,82 @@ TEST(EthernetPlant, AddressThatAnotherDriveHasIsADuplicate) {
   EXPECT_FALSE(MemoryScanner(*s.plant, kSecond).connect());
 }
 
+TEST(EthernetPlant, CableOfADuplicateIsNoticedWhenItIsPluggedIn) {
+  Stage s(
+      "drives:\n"
+      "  - { name: a, inverter: { family: fr-a700, model: FR-A740-1.5K } }\n"
+      "  - { name: b, power: off, inverter: { family: fr-a700, model: FR-A740-1.5K },\n"
+      "      board: { lease: { address: 127.0.0.2 } } }\n");
+  s.command("link", "b", {"down"});
+  s.command("power", "b", {"on"});
+  s.scheduler.run_until(s.scheduler.now() + 3s);
+  EXPECT_NE(s.led("b", "NS"), "red");
+  s.command("link", "b", {"up"});
+  s.scheduler.run_until(s.scheduler.now() + 100ms);
+  EXPECT_EQ(s.led("b", "NS"), "red");
+  EXPECT_EQ(s.led("a", "NS"), "green flashing");
+}
+
+// 1.2 (1), chapter 8: until the cause is gone and the inverter is reset.
+TEST(EthernetPlant, ForeignDeviceWithTheAddressTakesItAway) {
+  Stage s;
+  MemoryScanner scanner(*s.plant, kFirst), other(*s.plant, kSecond, ipv4(192, 168, 1, 2));
+  ASSERT_TRUE(scanner.connect() && scanner.own() && other.connect());
+  scanner.output = {0x61, 0, 0xb0, 0x04};
+  scanner.run_for(1s);
+  EXPECT_NE(s.command("wire", "a", {"none"}).find(R"("duplicate_node":false)"), std::string::npos);
+  EXPECT_NE(s.command("wire", "a", {"duplicate_node", "on"}).find(R"("duplicate_node":true)"), std::string::npos);
+  scanner.run_for(10ms);
+  EXPECT_TRUE(scanner.closed);
+  EXPECT_EQ(s.led("a", "NS"), "red");
+  EXPECT_EQ(s.alarm("a"), "E.OP3") << "the owner's data stays away";
+  EXPECT_EQ(other.get(1, 1, 1), "A1 00") << "the neighbour has its own address";
+  EXPECT_FALSE(MemoryScanner(*s.plant, kFirst, ipv4(192, 168, 1, 3)).connect());
+  s.command("wire", "a", {"duplicate_node", "off"});
+  s.scheduler.run_until(s.scheduler.now() + 1s);
+  EXPECT_EQ(s.led("a", "NS"), "red") << "not before the next start";
+  s.command("wire", "a", {"duplicate_node", "on"});
+  s.command("reset", "a", {});
+  s.scheduler.run_until(s.scheduler.now() + 3s);
+  EXPECT_EQ(s.led("a", "NS"), "red") << "it is there still";
+  s.command("wire", "a", {"none"});
+  s.command("reset", "a", {});
+  s.scheduler.run_until(s.scheduler.now() + 3s);
+  EXPECT_EQ(s.led("a", "NS"), "green flashing");
+  EXPECT_TRUE(MemoryScanner(*s.plant, kFirst, ipv4(192, 168, 1, 3)).connect());
+}
+
+TEST(EthernetPlant, CableThatComesBackToAForeignDeviceIsNoNewStart) {
+  Stage s;
+  MemoryScanner scanner(*s.plant, kFirst);
+  ASSERT_TRUE(scanner.connect());
+  s.command("link", "a", {"down"});
+  s.command("wire", "a", {"duplicate_node"});
+  s.scheduler.run_until(s.scheduler.now() + 100ms);
+  EXPECT_NE(s.led("a", "NS"), "red") << "nobody is seen without a cable";
+  s.command("wire", "a", {"duplicate_node", "off"});
+  s.command("link", "a", {"up"});
+  s.scheduler.run_until(s.scheduler.now() + 100ms);
+  EXPECT_EQ(scanner.get(1, 1, 1), "A1 00") << "the session has outlived it";
+  s.command("link", "a", {"down"});
+  s.command("wire", "a", {"duplicate_node"});
+  s.command("link", "a", {"up"});
+  s.scheduler.run_until(s.scheduler.now() + 100ms);
+  EXPECT_EQ(s.led("a", "NS"), "red");
+  EXPECT_TRUE(scanner.closed);
+}
+
+TEST(EthernetPlant, ForeignDeviceIsThereOrNot) {
+  Stage s;
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"duplicate_node", "50", "%"},
+                                                {"duplicate_node", "on", "nth", "3"},
+                                                {"duplicate_node", "on", "for", "2", "s"},
+                                                {"duplicate_node", "on", "port", "tcp"}})
+    EXPECT_NE(s.command("wire", "a", words).find("duplicate_node"), std::string::npos) << s.command("wire", "a", words);
+  EXPECT_NE(s.command("wire", "a", {"duplicate_node", "on", "port", "ethernet"}).find("true"), std::string::npos);
+  EXPECT_EQ(s.led("a", "NS"), "red");
+}
+
 // 4.2.5: a fixed full-duplex end and an automatic one do not come together.
 TEST(EthernetPlant, CableEndsThatDoNotAgreeHaveNoLink) {
   Stage s(

@@ -122,6 +122,7 @@ TEST_F(LiveEthernetPlant, RecordingHasTcpAndUdpOfTheAdapter) {
     EipScanner one(address(200), address(1));
     ASSERT_TRUE(one.connect() && one.open_io());
     EXPECT_FALSE(one.list_identity(address(2), 0, 200).empty());
+    EXPECT_GE(one.list_identity(ipv4(127, 255, 255, 255), 500, 600).size(), 2u);
     auto c = one.open(owner());
     ASSERT_TRUE(c.ok);
     for (int i = 0; i < 5; ++i) {
@@ -142,7 +143,14 @@ TEST_F(LiveEthernetPlant, RecordingHasTcpAndUdpOfTheAdapter) {
   EXPECT_EQ(tshark("cip.sc == 0x54 || cip.sc == 0xd4"), 2);
   EXPECT_GE(tshark("cipio && ip.src == " + ipv4_text(address(1))), 5);
   EXPECT_GE(tshark("cipio && ip.dst == " + ipv4_text(address(1))), 4);
-  EXPECT_GE(tshark("udp && enip.command == 0x63 && ip.src == " + ipv4_text(address(2))), 1);
+  EXPECT_GE(tshark("udp && enip.command == 0x63 && ip.src == " + ipv4_text(address(2))), 2);
+  EXPECT_EQ(tshark("enip.command == 0x63 && ip.dst == 127.255.255.255 && ip.src == " + ipv4_text(address(200))), 1)
+      << "one for both adapters";
+  // Explicit messages are marked, those of clients are as they were.
+  const std::string ours = " && ip.src == " + ipv4_text(address(1)) + " && (tcp || enip.command == 0x63)";
+  EXPECT_GT(tshark("ip.dsfield.dscp == 27" + ours), 0);
+  EXPECT_EQ(tshark("ip.dsfield.dscp != 27" + ours), 0);
+  EXPECT_EQ(tshark("ip.dsfield.dscp != 0 && ip.dst == " + ipv4_text(address(1))), 0);
 }
 
 }  // namespace

@@ -24,6 +24,25 @@ with tempfile.TemporaryDirectory() as folder:
     with open(live, "w", encoding="utf-8") as f:
         f.write("# Live.\nplant: { name: scenario_cli_test, drives: [{ board: { modbus_tcp: '127.0.0.1:0', network: none } }] }\n"
                 "limit: 10 s\ntolerance: { time: 1 s }\nsteps:\n  - { when: ready, within: 3 s, check: { mode: EXT } }\n")
+    # An owner, and somebody who listens to the same multicast, on sockets of this machine.
+    live_io = folder + "/live_io.yaml"
+    pid = os.getpid()
+    address = f"127.{130 + pid // 256 % 60}.{pid % 256}.2"
+    with open(live_io, "w", encoding="utf-8") as f:
+        f.write("# Live.\nplant:\n  name: scenario_cli_io_test\n  drives:\n    - inverter: { family: fr-a700, model: FR-A740-1.5K }\n"
+                f"      board: {{ address: {address} }}\n      parameters: {{ Pr.7: 0.2, Pr.8: 0.2, Pr.340: 1 }}\n"
+                "limit: 30 s\ntolerance: { time: 5 s }\nsteps:\n  - { when: ready, within: 5 s }\n"
+                "  - { via: ethernet-ip-second, open: { role: listen_only, multicast: on, extended: 0x0119 } }\n"
+                "  - { via: ethernet-ip, open: { multicast: on, multiplier: 64 } }\n"
+                "  - { via: ethernet-ip-second, open: { multicast: on, extended: 0x0106 } }\n"
+                "  - { via: ethernet-ip-second, open: { role: listen_only, multicast: on, multiplier: 64 } }\n"
+                "  - { via: ethernet-ip, reference: 20 Hz }\n  - { via: ethernet-ip, run: forward }\n"
+                "  - { via: ethernet-ip-second, input: { bytes: F4 00 58 02, within: 2 s } }\n"
+                "  - { via: ethernet-ip-explicit, request: { get: 0x29/1/7, answer: 01 } }\n"
+                "  - { via: ethernet-ip, close: }\n"
+                "  - { via: ethernet-ip-20, open: { points: 238/71, sizes: 0/4, header: off, multiplier: 64 } }\n"
+                "  - { via: ethernet-ip-20, input: { bytes: 70 00 00 00, mask: 70 00 00 00 } }\n"
+                "  - { via: ethernet-ip-20, close: }\n  - check: { alarm: none }\n")
 
     code, out, err = run("run", GOOD)
     expect(code == 0 and out.startswith("passed") and err == "", f"a passing scenario is 0: {code} {out} {err}")
@@ -101,4 +120,6 @@ with tempfile.TemporaryDirectory() as folder:
     expect(code == 2 and "no variable" in out, f"an unknown variable is told: {code} {out}")
     code, out, err = run("run", "--live", live)
     expect(code == 0 and "passed" in out and "Modbus/TCP" in err, f"a live run passes: {code} {out} {err}")
+    code, out, err = run("run", "--live", live_io)
+    expect(code == 0 and "passed" in out and "EtherNet/IP " + address in err, f"scanners do I/O in a live run: {code} {out} {err}")
 cli_check.finish()

@@ -141,6 +141,50 @@ TEST(TcpStream, EchoesWhatArrivesInPieces) {
   EXPECT_EQ(back, large);
 }
 
+// Both ends are in this process: the accepted one is who has the client as its peer.
+int type_of_service_towards(const sockaddr_in& client) {
+  for (int fd = 0; fd < 1024; ++fd) {
+    sockaddr_in peer{};
+    socklen_t size = sizeof peer;
+    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &size) != 0 || peer.sin_family != AF_INET ||
+        peer.sin_port != client.sin_port || peer.sin_addr.s_addr != client.sin_addr.s_addr)
+      continue;
+    int tos = -1;
+    size = sizeof tos;
+    ::getsockopt(fd, IPPROTO_IP, IP_TOS, &tos, &size);
+    return tos;
+  }
+  return -1;
+}
+
+TEST(TcpStream, AcceptedConnectionsHaveTheCodePointOfTheirListener) {
+  for (const std::uint8_t dscp : {std::uint8_t{0}, std::uint8_t{27}}) {
+    LoopThread thread;
+    std::unique_ptr<TcpListener> listener;
+    std::unique_ptr<ByteStream> accepted;
+    thread.call([&] {
+      TcpListenerOptions options;
+      options.dscp = dscp;
+      listener = *TcpListener::open(thread.loop(), options, [&](Instant now, std::unique_ptr<ByteStream> stream) {
+        accepted = std::move(stream);
+        const std::uint8_t byte = 1;
+        accepted->send(now, ByteView(&byte, 1));
+      });
+    });
+    BlockingSocket client = BlockingSocket::tcp(listener->port());
+    char byte = 0;
+    ASSERT_EQ(::recv(client.fd(), &byte, 1, 0), 1);
+    sockaddr_in ours{};
+    socklen_t size = sizeof ours;
+    ::getsockname(client.fd(), reinterpret_cast<sockaddr*>(&ours), &size);
+    EXPECT_EQ(type_of_service_towards(ours), dscp << 2);
+    thread.call([&] {
+      accepted.reset();
+      listener.reset();
+    });
+  }
+}
+
 TEST(TcpStream, NamesTheClient) {
   LoopThread thread;
   std::unique_ptr<TcpListener> listener;

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -117,14 +118,40 @@ TEST_F(UdpTest, BroadcastOnTheLoopbackIsHeardByEveryListener) {
   EXPECT_TRUE(where->is_loopback);
   EXPECT_EQ(ipv4_text(where->broadcast()), "127.255.255.255");
   const auto port = open({address(9)})->local().port;  // most likely free everywhere
-  const auto one = BroadcastListener::open(loop, *where, port, recorder());
+  std::vector<Ipv4Endpoint> to_whom;
+  const auto listen = [&](Instant now, const Ipv4Endpoint& from, const Ipv4Endpoint& to, ByteView bytes) {
+    to_whom.push_back(to);
+    recorder()(now, from, bytes);
+  };
+  const auto one = BroadcastListener::open(loop, *where, port, listen);
   ASSERT_TRUE(one) << one.error();
-  const auto two = BroadcastListener::open(loop, *where, port, recorder());
+  const auto two = BroadcastListener::open(loop, *where, port, listen);
   ASSERT_TRUE(two) << two.error();
   const auto sender = open({address(2)});
   send(*sender, {where->broadcast(), port}, "who");
   run_until_heard(2);
   EXPECT_EQ(heard.size(), 2u);
+  EXPECT_EQ(to_whom, std::vector<Ipv4Endpoint>(2, {where->broadcast(), port}));
+}
+
+TEST_F(UdpTest, SocketOfAHostHearsTheGroupsThatItJoined) {
+  const std::uint32_t group = ipv4(239, 193, static_cast<unsigned>(::getpid()) % 256, 32);
+  const auto sender = open({address(2)}), member = open({address(3)});
+  const Ipv4Endpoint to{group, member->local().port};
+  send(*sender, to, "before");
+  ASSERT_TRUE(member->join(group));
+  send(*sender, to, "joined");
+  send(*sender, member->local(), "own");
+  run_until_heard(2);
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[0].first, sender->local());
+  EXPECT_EQ(std::set({heard[0].second, heard[1].second}), (std::set<std::string>{"joined", "own"}));
+  member->leave(group);
+  send(*sender, to, "left");
+  send(*sender, member->local(), "own again");
+  run_until_heard(3);
+  ASSERT_EQ(heard.size(), 3u);
+  EXPECT_EQ(heard[2].second, "own again");
 }
 
 TEST_F(UdpTest, AddressWithoutInterface) { EXPECT_FALSE(find_interface(ipv4(203, 0, 113, 9))); }
