@@ -1,6 +1,7 @@
 // What parameters of the FR-A700 do to the motor: set, and something a user can see must follow. Typical for the
 // family.
 #include "a700_bench.hpp"
+#include "motor_model/inverter/a700/inverter.hpp"
 
 namespace vinv::inverter::test {
 namespace {
@@ -447,6 +448,46 @@ TEST(A700Parameter, Pr156LeavesStallPreventionOutOfTheAcceleration) {
     return seconds_to_reach(b, 50, 60);
   };
   EXPECT_GT(up(0), up(2) + 0.3);
+}
+
+// A deceleration that is somewhat too steep waits for the DC link (oL on the panel); a much too steep one trips.
+TEST(A700Parameter, Pr156SaysWhetherADecelerationWaitsForTheLink) {
+  struct Stop {
+    std::string alarm, warning;
+    double seconds = 0, most_v = 0;
+    bool overload = false;
+  };
+  const auto stop = [](double pr156, double inertia, const Settings& more = {}) {
+    Settings s{{"Pr.156", pr156}, {"Pr.7", 5}, {"Pr.8", 2}};
+    s.insert(s.end(), more.begin(), more.end());
+    Bench b = a700_running(50, s, loaded(inertia, 0, config_a700()));
+    EXPECT_TRUE(b.command({}).has_value());
+    Stop seen;
+    const double from = b.now_s();
+    while (b.port().status().running && b.now_s() < from + 10) {
+      b.tick();
+      seen.most_v = std::max(seen.most_v, b.signal("dc_link"));
+      seen.overload = seen.overload || b.port().status().overload;
+      const std::string warning = dynamic_cast<a700::A700Inverter&>(*b).du07().warning;
+      if (!warning.empty()) seen.warning = warning;
+    }
+    seen.alarm = b->alarm_name();
+    seen.seconds = b.now_s() - from;
+    return seen;
+  };
+  const Settings speed_control{{"Pr.80", 1.5}, {"Pr.81", 4}, {"Pr.84", 50}, {"Pr.800", 10}};
+  for (const Settings& control : {Settings{}, speed_control}) {
+    const Stop held = stop(0, 0.017, control);
+    EXPECT_EQ(held.alarm, "");
+    EXPECT_TRUE(held.overload);
+    EXPECT_EQ(held.warning, "oL");
+    EXPECT_GT(held.seconds, 1.8);
+    EXPECT_LT(held.seconds, 4.0);
+    EXPECT_GT(held.most_v, 760);
+    EXPECT_EQ(stop(8, 0.017, control).alarm, "E.OV3");
+    EXPECT_EQ(stop(0, 0.2, control).alarm, "E.OV3");
+    EXPECT_FALSE(stop(0, 0.005, control).overload);
+  }
 }
 
 TEST(A700Parameter, Pr23AndPr66LowerTheStallLevelAtHighFrequency) {

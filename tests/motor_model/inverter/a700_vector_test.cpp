@@ -395,19 +395,5 @@ TEST(A700Vector, VectorControlKnowsFourCarriers) {
   }
 }
 
-TEST(A700Vector, ASnapshotInTheMiddleOfARampGoesOnAlike) {
-  Bench a = ordered(30, 10, {}, with_load(0.02, 3));
-  a.run(0.3);
-  Bytes bytes = save_snapshot(*a);
-  Bench b = a700_with({}, with_load(0.02, 3));
-  const auto loaded_ok = load_snapshot(*b, bytes);
-  ASSERT_TRUE(loaded_ok.has_value()) << loaded_ok.error();
-  b.set_now(a.now());
-  a.run(1);
-  b.run(1);
-  EXPECT_NEAR(a.signal("speed"), b.signal("speed"), 0.2);
-  EXPECT_NEAR(monitor(a, 32), monitor(b, 32), 2);
-}
-
 }  // namespace
 }  // namespace vinv::inverter::test
