@@ -85,7 +85,7 @@ void DriveCore::output_off(RunState state) {
   power_failure_.end();
   stalled_at_constant_ = false;
   catching_ = false;
-  overload_ = false;
+  overload_ = link_overload_ = false;
 }
 
 void DriveCore::reset(Accumulators accumulators) {
@@ -108,7 +108,7 @@ void DriveCore::force_trip() {
   out_.output_frequency_hz = 0;
   out_.ramp_frequency_hz = 0;
   out_.up_to_frequency = false;
-  out_.overload = false;
+  out_.overload = out_.link_overload = false;
   out_.power_failure = false;
   out_.frequency_detected = false;
 }
@@ -194,7 +194,7 @@ void DriveCore::stop_or_run(const Tick& t) {
   if (!start_on && t.settings.stop_by_coasting) {
     // The output goes on at the frequency it has; a start within the delay takes it on from there.
     state_ = RunState::kCoastDelay;
-    overload_ = false;
+    overload_ = link_overload_ = false;
     if (coast_delay_.step(t.dt_s, true, t.settings.coast_delay_s)) output_off(RunState::kStopped);
     return;
   }
@@ -246,7 +246,8 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
   const auto stall = stall_.step(t.dt_s, s,
                                  {now, magnitude, arrived ? 0 : acceleration_rate_hz_s(times),
                                   deceleration_rate_hz_s(times), t.sensors.dc_link_v});
-  overload_ = stall.active || t.command.overload;
+  link_overload_ = stall.link_high || t.command.link_overload;
+  overload_ = stall.active || link_overload_;
   if (stall.trip) {
     const RunState state = now == Motion::kAccelerating ? RunState::kAccelerating
                            : now == Motion::kConstant   ? RunState::kConstant
@@ -300,7 +301,7 @@ void DriveCore::brake(const Tick& t) {
 
 void DriveCore::supply_failed(const Tick& t) {
   const bool start_on = t.command.direction != RunDirection::kStop;
-  overload_ = false;
+  overload_ = link_overload_ = false;
   // MRS holds a restart back like a link that is not yet charged.
   const bool low = link_.low() || (t.command.output_stop && power_failure_.failed());
   switch (power_failure_.step(t.dt_s, t.settings, low, start_on)) {
@@ -398,6 +399,7 @@ void DriveCore::publish(const Tick& t) {
   // RUN is off during DC injection: it tells of a frequency at or above the start frequency.
   out_.running = out_.gates_on && state_ != RunState::kDcBraking;
   out_.overload = out_.gates_on && (overload_ || out_.torque_limited);
+  out_.link_overload = out_.gates_on && link_overload_;
   out_.power_failure = power_failure_.failed();
   detection_.step(t.dt_s, s,
                   {out_.running, out_.ramp_frequency_hz, out_.output_frequency_hz,

@@ -78,11 +78,12 @@ class DriveCore {
   bool catching_ = false;             // since a turning motor was caught, until the set frequency is reached
   bool stalled_at_constant_ = false;  // stall prevention has taken a constant speed down and it is not yet back
   bool overload_ = false;
+  bool link_overload_ = false;
   DriveOutputs out_;
   VINV_ARCHIVE(DriveCore, state_, state_before_dip_, ramp_, stall_, shortest_, slip_, droop_, vector_,
                start_hold_left_s_, current_limit_, compensation_current_, dc_brake_, coast_delay_, link_,
                power_failure_, cushion_, brake_duty_, protections_, detection_, catching_, stalled_at_constant_,
-               overload_, out_);
+               overload_, link_overload_, out_);
 };
 
 }  // namespace vinv::drive

@@ -98,8 +98,7 @@ struct DriveSettings {
   bool stall_in_deceleration = true;
   bool stall_trips_at_once = false;  // trips E.OLT as soon as OL would be signalled
   bool fast_current_limit = true;    // hardware limit just below the over-current level
-  // stall prevention (voltage), for families that have a DC-link hold; E500 has none
-  double dc_link_hold_v = 0;  // 0: off
+  double dc_link_hold_v = 0;         // a deceleration waits above this DC link voltage; 0: off
   // shortest acceleration/deceleration
   bool shortest_acceleration = false;  // ramp as fast as the stall level (or the reference below) allows
   bool shortest_deceleration = false;
@@ -193,7 +192,7 @@ struct DriveCommand {
   double lower_by_hz = 0;          // takes the frequency down by this at once
   double raise_by_hz = 0;          // adds this to the output frequency, for this tick
   bool hold_deceleration = false;  // a deceleration waits
-  bool overload = false;           // OL for a reason of the personality's
+  bool link_overload = false;      // OL because the personality raises the frequency for the DC link's sake
   double voltage_factor = 1;       // of the V/f law's voltage
 };
 
@@ -276,6 +275,7 @@ struct DriveOutputs {
   double ramp_frequency_hz = 0;    // signed, generator output
   bool up_to_frequency = false;
   bool overload = false;              // OL
+  bool link_overload = false;         // likewise, because of the DC link
   bool power_failure = false;         // IPF
   bool frequency_detected = false;    // FU
   bool current_detected = false;      // Y12
@@ -290,7 +290,7 @@ struct DriveOutputs {
   bool speed_limited = false;
   std::optional<Trip> trip;  // new in this tick
   VINV_ARCHIVE(DriveOutputs, gates_on, stage_frequency_hz, stage_voltage_peak_v, chopper_enabled, state, running,
-               output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, power_failure, frequency_detected,
+               output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, link_overload, power_failure, frequency_detected,
                current_detected, zero_current, thermal_pre_alarm, motor_thermal_fraction, inverter_thermal_fraction,
                brake_duty_fraction, torque_command_percent, torque_limited, speed_limited, trip);
 };

@@ -136,6 +136,7 @@ StallPrevention::Decision StallPrevention::step(double dt_s, const DriveSettings
   }
   const bool link_high = decelerating && settings.dc_link_hold_v > 0 && situation.dc_link_v > settings.dc_link_hold_v;
   if (link_high) d.most_hz_s = 0;
+  d.link_high = link_high;
   d.active = over_level_ || link_high;
 
   const bool down =

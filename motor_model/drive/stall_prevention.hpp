@@ -48,6 +48,7 @@ class StallPrevention {
     // decelerating: it must be lowered at this rate.
     double most_hz_s = std::numeric_limits<double>::infinity();
     bool active = false;     // OL
+    bool link_high = false;  // likewise, because of the DC link
     bool trip = false;       // stall prevention stop
     double level_a_rms = 0;  // at this frequency, not above what the fast current limit lets through; 0: off
   };

@@ -269,7 +269,7 @@ Du07 A700Inverter::du07() const {
   if (v_.panel.stopped_by_panel) {
     d.warning = "PS";
   } else if (out.overload) {
-    d.warning = "OL";
+    d.warning = out.link_overload ? "oL" : "OL";
   } else if (out.speed_limited) {
     d.warning = "SL";
   } else if (out.brake_duty_fraction >= kPreAlarm) {

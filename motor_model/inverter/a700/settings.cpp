@@ -89,6 +89,8 @@ void set_elevator(drive::DriveSettings& s, const ParameterStore& p) {
   s.stall_level_percent = reference * or_else(p, pr::kReferenceAcceleration, mode == 5 ? 150 : 180);
 }
 
+constexpr double kLinkHold = 0.95;  // of the over-voltage level: where the factory sets Pr.883
+
 bool around_400v(const mitsubishi::SettingsSurroundings& s) { return s.model->voltage_class_v >= 400; }
 
 // Pr.71 = 2 with Pr.19 set: Pr.100 to Pr.109. Not in vector control.
@@ -229,6 +231,7 @@ drive::DriveSettings A700Inverter::make_settings(const SettingsSelection& select
   }
   if (p.integer(pr::kRegenerative) % 10 == 1) s.chopper_duty_percent = p.value(pr::kBrakeDuty);
   if ((selection.variant & kRestartOff) != 0) s.restart_enabled = false;
+  if (s.stall_in_deceleration) s.dc_link_hold_v = kLinkHold * s.over_voltage_v;
   set_restart(s, p);
   if ((selection.variant & kFailureStop) != 0) set_failure_stop(s, p, (selection.variant & kFailureSlow) != 0);
   if ((selection.variant & kContact) != 0) set_contact(s, p, (selection.variant & kContactSlow) != 0);

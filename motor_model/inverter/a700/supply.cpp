@@ -149,7 +149,7 @@ void A700Inverter::follow_regeneration(drive::DriveCommand& command, const drive
       s_.supply.regeneration.step(kPeriod_s, settings, state == RunState::kDecelerating, sensors.dc_link_v);
   command.raise_by_hz += decision.raise_hz;
   command.hold_deceleration = command.hold_deceleration || decision.hold;
-  command.overload = decision.active;
+  command.link_overload = decision.active;
 }
 
 // --- energy saving ---

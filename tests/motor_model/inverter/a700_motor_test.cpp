@@ -64,7 +64,8 @@ TEST(A700SecondMotor, Pr455ToPr462AreItsConstants) {
   };
   const auto factory = volts({});
   EXPECT_GT(volts({{"Pr.458", 6}}).first, factory.first + 5);
-  EXPECT_GT(volts({{"Pr.460", 20}, {"Pr.461", 20}}).first, factory.first + 1);
+  EXPECT_GT(volts({{"Pr.460", 50}}).first, factory.first + 1);
+  EXPECT_GT(volts({{"Pr.461", 50}}).first, factory.first + 1);
   EXPECT_LT(volts({{"Pr.860", 1.2}}).first, factory.first - 2);
   EXPECT_LT(volts({{"Pr.456", 300}}, 2).first, volts({}, 2).first - 20);
   EXPECT_LT(volts({{"Pr.457", 100}}, 2).first, volts({}, 2).first - 20);

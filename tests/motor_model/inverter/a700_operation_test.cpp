@@ -64,6 +64,9 @@ TEST(A700Operation, TerminalsHaveTheFunctionsOfPr178ToPr189) {
     b.terminal(terminal);
     EXPECT_EQ(set_hz(b), 40) << parameter;
   }
+  Bench rm = a700_with({{"Pr.182", 1}, {"Pr.5", 33}});  // the factory has RH at this one
+  rm.terminal("RH");
+  EXPECT_EQ(set_hz(rm), 33);
   Bench b = a700_with({{"Pr.4", 20}});
   b.terminal("RH");
   for (const char* start : {"STF", "STR"}) {
@@ -161,13 +164,13 @@ TEST(A700Operation, ANegativeSumTurnsTheMotorRoundOnlyWithPr73FromTen) {
 }
 
 TEST(A700Operation, WithPr73Is4TerminalTwoIsAnOverrideByPr252AndPr253) {
-  Bench b = a700_with({{"Pr.73", 4}, {"Pr.252", 50}, {"Pr.253", 150}});
+  Bench b = a700_with({{"Pr.73", 4}, {"Pr.252", 20}, {"Pr.253", 120}});
   ASSERT_TRUE(b->set_analog("1", 5).has_value());  // main speed 30 Hz
-  EXPECT_NEAR(set_hz(b), 15, 0.1);
+  EXPECT_NEAR(set_hz(b), 6, 0.1);
   ASSERT_TRUE(b->set_analog("2", 5).has_value());
-  EXPECT_NEAR(set_hz(b), 30, 0.1);
+  EXPECT_NEAR(set_hz(b), 21, 0.1);
   ASSERT_TRUE(b->set_analog("2", 10).has_value());
-  EXPECT_NEAR(set_hz(b), 45, 0.1);
+  EXPECT_NEAR(set_hz(b), 36, 0.1);
   EXPECT_FALSE(b->set_reference(20).has_value());
 }
 

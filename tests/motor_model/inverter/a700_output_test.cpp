@@ -36,11 +36,11 @@ struct Signal {
 TEST(A700Output, FrequencyDetectionsFollowPr42Pr43Pr50AndPr116) {
   for (const auto& [function, parameter] :
        {std::pair{4, "Pr.42"}, {5, "Pr.50"}, {6, "Pr.116"}, {41, "Pr.42"}, {42, "Pr.50"}, {43, "Pr.116"}}) {
-    Signal below(function, {{parameter, 30}});
-    below.run_at(25);
+    Signal below(function, {{parameter, 20}});
+    below.run_at(15);
     EXPECT_FALSE(below.on()) << function;
-    Signal above(function, {{parameter, 30}});
-    above.run_at(35);
+    Signal above(function, {{parameter, 20}});
+    above.run_at(25);
     EXPECT_TRUE(above.on()) << function;
   }
   Bench reverse = a700_with({{"Pr.43", 10}, {"Pr.42", 50}, {"Pr.4", 20}});

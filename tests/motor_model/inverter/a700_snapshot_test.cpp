@@ -13,12 +13,12 @@ std::string seen(Bench& b) {
   return out;
 }
 
-void compare(Bench& original) {
+void compare(Bench& original, const InverterConfig& config = config_a700()) {
   original.run(0.1 - std::fmod(original.now_s(), 0.1) + 0.001);
   Bytes bytes;
   while (!original->on_snapshot_grid()) original.tick();
   ASSERT_TRUE(original->save(bytes).has_value());
-  Bench copy(config_a700(), "fr-a700");
+  Bench copy(config, "fr-a700");
   const auto loaded_ok = copy->load(bytes);
   ASSERT_TRUE(loaded_ok.has_value()) << loaded_ok.error();
   copy.set_now(original.now());
@@ -48,6 +48,43 @@ TEST(A700Snapshot, InTheTraverseAndUnderPidControl) {
   pid.terminal("RT");
   pid.run(1);
   compare(pid);
+}
+
+TEST(A700Snapshot, InARampOfSpeedControlAndUnderTorqueControl) {
+  const InverterConfig config = loaded(0.02, 3, config_a700());
+  Settings vector{{"Pr.80", 1.5}, {"Pr.81", 4},    {"Pr.84", 50}, {"Pr.877", 1},
+                  {"Pr.881", 50}, {"Pr.822", 0.1}, {"Pr.4", 30}};
+  Settings torque = vector;
+  vector.emplace_back("Pr.800", 10);
+  torque.insert(torque.end(), {{"Pr.800", 11}, {"Pr.804", 1}, {"Pr.806", 1060}});
+  for (const Settings& settings : {vector, torque}) {
+    Bench b = a700_with(settings, config);
+    b.terminal("RH");
+    b.terminal("STF");
+    b.run(0.3);
+    compare(b, config);
+    b.terminal("STF", false);
+    b.run(0.2);
+    compare(b, config);
+  }
+}
+
+TEST(A700Snapshot, WhileTheBrakeOpensAndWhileItCloses) {
+  Bench b = a700_with({{"Pr.80", 1.5},
+                       {"Pr.81", 4},
+                       {"Pr.84", 50},
+                       {"Pr.292", 8},
+                       {"Pr.279", 10},
+                       {"Pr.281", 1},
+                       {"Pr.283", 1},
+                       {"Pr.4", 30}});
+  b.terminal("RH");
+  b.terminal("STF");
+  b.run(0.6);
+  compare(b);
+  b.terminal("STF", false);
+  b.run(0.6);
+  compare(b);
 }
 
 TEST(A700Snapshot, OfAnotherFamilyOrConnectorIsRefused) {

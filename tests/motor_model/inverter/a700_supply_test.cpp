@@ -202,7 +202,9 @@ TEST(A700PowerFailure, Pr264ToPr266AreTheDeceleration) {
     EXPECT_EQ(f.b->alarm_name(), "");
     return 20 / (f.b.now_s() - from);
   };
-  EXPECT_NEAR(rate({{"Pr.264", 2}, {"Pr.266", 0}}, 6.8), 25, 2.5);
+  // Held at the slower one the link would not last.
+  EXPECT_NEAR(rate({{"Pr.264", 2}, {"Pr.265", 20}, {"Pr.266", 0}}, 6.8), 25, 2.5);
+  EXPECT_NEAR(rate({{"Pr.264", 20}, {"Pr.265", 2}, {"Pr.266", 60}}, 6.8), 25, 2.5);
   EXPECT_NEAR(rate({{"Pr.264", 4}, {"Pr.266", 0}}, 2.9), 12.5, 1.2);
   EXPECT_NEAR(rate({{"Pr.264", 2}, {"Pr.265", 4}, {"Pr.266", 60}}, 2.9), 12.5, 1.2);
   EXPECT_NEAR(rate({{"Pr.264", 2}, {"Pr.265", 9999}, {"Pr.266", 60}}, 6.8), 25, 2.5);

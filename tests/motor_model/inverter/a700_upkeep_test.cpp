@@ -32,11 +32,11 @@ TEST(A700PartLife, Pr255ToPr257TellWornPartsAndY90) {
   ASSERT_TRUE(b->inject_fault("inrush_circuit", true).has_value());
   b.tick();
   EXPECT_EQ(b.raw(255), 8u);
-  EXPECT_LE(b.raw(256), 10u);
+  EXPECT_EQ(b.raw(256), static_cast<unsigned>(a700::kWornPart_percent));
   EXPECT_TRUE(b.output("IPF"));
   ASSERT_TRUE(b->inject_fault("control_capacitor", true).has_value());
   EXPECT_EQ(b.raw(255), 9u);
-  EXPECT_LE(b.raw(257), 10u);
+  EXPECT_EQ(b.raw(257), static_cast<unsigned>(a700::kWornPart_percent));
   ASSERT_TRUE(b->inject_fault("fan", true).has_value());
   EXPECT_EQ(b.raw(255), 13u);
 }
