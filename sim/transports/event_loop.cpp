@@ -26,8 +26,8 @@ using RealClock = std::chrono::steady_clock;
 constexpr Duration kEventSlice = std::chrono::milliseconds(2);
 // Socket handlers in one turn.
 constexpr std::size_t kHandlersPerTurn = 64;
-// While the set of sockets has traffic, Asio's reactor is looked at so often; a little less than a drive's tick, and put
-// off until an event that comes soon, so that a tick is the only wake-up there is.
+// While the set of sockets has traffic, Asio's reactor is looked at so often; a little less than a drive's tick, and
+// put off until an event that comes soon, so that a tick is the only wake-up there is.
 constexpr Duration kReactorInterval = std::chrono::microseconds(900);
 constexpr Duration kReactorPatience = std::chrono::microseconds(500);
 // This long after the last traffic the loop sleeps there again.

@@ -1,10 +1,10 @@
 """All rows of docs/decisions/0009-ethernet-ip-speed.md in one go, against the product: `vinverter run` with plants of
-FR-A700s that stand still. For an idle machine; it takes about eight minutes, and says how busy the machine was.
+FR-A700s that stand still. For an idle machine; it takes about five minutes, and says how busy the machine was.
 
-Usage: all_rows.py BUILD_FOLDER [--json FILE] [--quick] [--keep-priority]
-  BUILD_FOLDER  of a release build with tests: it has vinverter and tests/bench/ethernet_ip/enip_bench
-  --quick       each row for a moment, to see that it works
-Server and benchmark get priority -15 where that is allowed.
+Usage: all_rows.py VINVERTER ENIP_BENCH [--json FILE] [--quick] [--real-time]
+  --quick      each row for a moment, to see that it works
+  --real-time  SCHED_FIFO for server and benchmark, on a machine that has other work: what else runs then takes no time
+               slices from them, but for the floods. Without it they get priority -15 where that is allowed.
 """
 import argparse
 import contextlib
@@ -23,10 +23,11 @@ OWN = "127.0.0.1"
 
 def arguments():
     parser = argparse.ArgumentParser(description="All rows of the EtherNet/IP benchmarks against `vinverter run`")
-    parser.add_argument("build")
+    parser.add_argument("vinverter")
+    parser.add_argument("bench")
     parser.add_argument("--json")
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--keep-priority", action="store_true")
+    parser.add_argument("--real-time", action="store_true")
     return parser.parse_args()
 
 
@@ -41,7 +42,7 @@ def plant(count):
 
 
 @contextlib.contextmanager
-def server(build, count):
+def server(vinverter, count):
     """A running plant of so many drives; gives its process id."""
     with tempfile.TemporaryDirectory() as folder:
         paths = {name: os.path.join(folder, name) for name in ("plant.yaml", "ready.json", "state", "runtime", "log")}
@@ -49,7 +50,7 @@ def server(build, count):
             f.write(plant(count))
         began = time.monotonic()
         with open(paths["log"], "w+", encoding="utf-8") as log, subprocess.Popen(
-                [os.path.join(build, "vinverter"), "run", paths["plant.yaml"], "--fresh", "--ready-file", paths["ready.json"],
+                [vinverter, "run", paths["plant.yaml"], "--fresh", "--ready-file", paths["ready.json"],
                  "--state-dir", paths["state"], "--runtime-dir", paths["runtime"]],
                 stdout=log, stderr=subprocess.STDOUT) as process:
             try:
@@ -76,17 +77,15 @@ def cpu_seconds(pid):
 
 def main():
     options = arguments()
-    if not options.keep_priority:
-        with contextlib.suppress(PermissionError):
-            os.nice(-15)
-    bench = os.path.join(options.build, "tests/bench/ethernet_ip/enip_bench")
+    with contextlib.suppress(PermissionError):
+        os.nice(-15)
     seconds, rounds = (0.1, 1) if options.quick else (2, 3)
     results = {"load_before": os.getloadavg(), "rows": []}
     print(f"load average before: {os.getloadavg()}, {os.cpu_count()} processors")
 
     def run(what, pid, drives, *extra):
         with tempfile.NamedTemporaryFile("r", suffix=".json") as out:
-            subprocess.run([bench, what, "--host", FIRST, "--own", OWN, "--pid", str(pid), "--json", out.name, *extra],
+            subprocess.run([options.bench, what, "--host", FIRST, "--own", OWN, "--pid", str(pid), "--json", out.name, *extra],
                            check=True)
             results["rows"].append({"drives": drives, "load": os.getloadavg()[0], **json.load(out)})
 
@@ -94,20 +93,22 @@ def main():
         run("io", pid, drives, "--adapters", str(drives), "--rpi-us", ",".join(map(str, rpi_us)), "--seconds", str(seconds),
             "--rounds", str(rounds))
 
-    with server(options.build, 1) as pid:  # which is pinned to one processor by this
+    with server(options.vinverter, 2) as pid:
+        run("flood", pid, 2, "--rpi-us", "2000", "--seconds", str(seconds), "--rounds", "1")
+    if options.real_time:  # not before the floods: the kernel stops such processes when they take all there is
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+    with server(options.vinverter, 1) as pid:  # which is pinned to one processor by this
         run("explicit", pid, 1, "--connections", "1,16,64", "--rounds", "1" if options.quick else "21", "--seconds",
             str(0.1 if options.quick else 0.3))
     for drives in (1, 16, 64, 128):
-        with server(options.build, drives) as pid:
+        with server(options.vinverter, drives) as pid:
             before, moment = cpu_seconds(pid), 0.2 if options.quick else 5
             time.sleep(moment)
             idle = 100 * (cpu_seconds(pid) - before) / moment / drives
             print(f"without clients: {idle:.2f} % of a core per drive", flush=True)
             results["rows"].append({"drives": drives, "idle_cpu_percent_per_drive": idle})
             io(pid, drives, 1000, 2000, 10000)
-    with server(options.build, 2) as pid:
-        run("flood", pid, 2, "--rpi-us", "2000", "--seconds", str(seconds), "--rounds", "1")
-    with server(options.build, 256) as pid:
+    with server(options.vinverter, 256) as pid:
         before, began = cpu_seconds(pid), time.monotonic()
         time.sleep(1 if options.quick else 5)
         share = 100 * (cpu_seconds(pid) - before) / (time.monotonic() - began)
