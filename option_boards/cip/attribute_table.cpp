@@ -42,10 +42,7 @@ AttributeRow parse_attribute(std::string_view line, std::span<const std::string_
   row.binding = position(field(), bindings);
   row.argument = number_of_field<std::int32_t>(field(), 0);
   row.detail = number_of_field<std::int32_t>(field(), 0);
-  if (row.binding == 0) {
-    Bytes value;  // fails here rather than when somebody asks
-    row.type.append_constant(value, row.constant);
-  }
+  if (row.binding == 0) row.type.append_constant(row.value, row.constant);
   return row;
 }
 
@@ -83,16 +80,21 @@ AttributeTable::AttributeTable(std::string_view attributes_csv, std::span<const 
   for (std::size_t i = 1; i < rows_.size(); ++i) {
     VINV_CHECK(instance_of(rows_[i - 1]) != instance_of(rows_[i]) || rows_[i - 1].last < rows_[i].first);
   }
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (i == 0 || instance_of(rows_[i - 1]) != instance_of(rows_[i]))
+      instances_.push_back({rows_[i].class_id, rows_[i].instance, i});
+  instances_.push_back({0, 0, rows_.size()});
   take_until(services_csv, '\n');
   while (!services_csv.empty()) services_.push_back(parse_service(take_until(services_csv, '\n'), own_services));
 }
 
 std::span<const AttributeRow> AttributeTable::instance(std::uint16_t class_id, std::uint32_t instance) const {
-  const std::tuple wanted(class_id, instance);
-  const auto before = [](const AttributeRow& row, const auto& key) { return instance_of(row) < key; };
-  const auto after = [](const auto& key, const AttributeRow& row) { return key < instance_of(row); };
-  const auto begin = std::lower_bound(rows_.begin(), rows_.end(), wanted, before);
-  return {begin, std::upper_bound(begin, rows_.end(), wanted, after)};
+  const std::uint64_t wanted = InstanceRows{class_id, instance}.key();
+  const auto end = instances_.end() - 1;
+  const auto found = std::lower_bound(instances_.begin(), end, wanted,
+                                      [](const InstanceRows& rows, std::uint64_t key) { return rows.key() < key; });
+  if (found == end || found->key() != wanted) return {};
+  return std::span(rows_).subspan(found->first, std::next(found)->first - found->first);
 }
 
 const AttributeRow* AttributeTable::find(std::uint16_t class_id, std::uint32_t instance_id,

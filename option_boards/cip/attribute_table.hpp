@@ -30,6 +30,7 @@ struct AttributeRow {
   bool gettable = false, settable = false;
   std::int64_t min = 0, max = 0;
   std::string_view constant;  // the default column
+  Bytes value;                // the same as it travels, where it is the value
   std::uint8_t binding = 0;   // position in the list of names; 0 is constant
   std::int32_t argument = 0, detail = 0;
 };
@@ -61,7 +62,7 @@ class AttributeTable {
   const std::vector<AttributeRow>& rows() const { return rows_; }
   const std::vector<ServiceRow>& services() const { return services_; }
   const AttributeRow* find(std::uint16_t class_id, std::uint32_t instance, std::uint16_t attribute) const;
-  // All attributes of an instance.
+  // All attributes of an instance, in order.
   std::span<const AttributeRow> instance(std::uint16_t class_id, std::uint32_t instance) const;
   const ServiceRow* find_service(std::uint16_t class_id, std::uint32_t instance, std::uint8_t service) const;
   bool has_instance(std::uint16_t class_id, std::uint32_t instance) const;
@@ -69,7 +70,15 @@ class AttributeTable {
   std::vector<std::uint16_t> classes() const;
 
  private:
+  // An instance with attributes: where its rows begin.
+  struct InstanceRows {
+    std::uint16_t class_id = 0;
+    std::uint32_t instance = 0;
+    std::size_t first = 0;
+    std::uint64_t key() const { return std::uint64_t{class_id} << 32 | instance; }
+  };
   std::vector<AttributeRow> rows_;
+  std::vector<InstanceRows> instances_;  // in order, and one behind the last: requests ask for them much
   std::vector<ServiceRow> services_;
 };
 

@@ -194,6 +194,7 @@ TypeSpec::TypeSpec(std::string_view text) {
   VINV_CHECK(parse(text).empty());
   // A path takes what remains.
   for (std::size_t i = 0; i + 1 < members_.size(); ++i) VINV_CHECK(members_[i].type != DataType::kEpath);
+  if (members_.size() == 1 && members_[0].count == 1 && is_integer(members_[0].type)) integer_ = members_[0].type;
 }
 
 // What follows the type.
@@ -225,11 +226,6 @@ std::string_view TypeSpec::parse(std::string_view text) {
   VINV_CHECK(type.has_value());
   members_.push_back({*type, 1});
   return text.substr(end);
-}
-
-std::optional<DataType> TypeSpec::integer() const {
-  if (members_.size() != 1 || members_[0].count != 1 || !is_integer(members_[0].type)) return std::nullopt;
-  return members_[0].type;
 }
 
 GeneralStatus TypeSpec::check(ByteView value) const {

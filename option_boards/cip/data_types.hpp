@@ -75,7 +75,7 @@ class TypeSpec {
   explicit TypeSpec(std::string_view text);
 
   // The type, if it is one whole number.
-  std::optional<DataType> integer() const;
+  std::optional<DataType> integer() const { return integer_; }
   const std::vector<Member>& members() const { return members_; }
   // kNotEnoughData, kTooMuchData or kSuccess. A path takes what remains; it is checked for being readable.
   GeneralStatus check(ByteView value) const;
@@ -86,6 +86,7 @@ class TypeSpec {
  private:
   std::string_view parse(std::string_view text);
   std::vector<Member> members_;
+  std::optional<DataType> integer_;
 };
 
 }  // namespace vinv::cip

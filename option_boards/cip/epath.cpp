@@ -302,21 +302,41 @@ class Writer {
   std::size_t start_;
 };
 
-}  // namespace
-
-std::optional<LogicalSegment> EpathReader::next_logical() {
-  // The usual form, one byte for the type and one for the number, whether padded or packed.
-  if (path_.size() - at_ >= 2 && (path_[at_] & 0xe3) == 0x20) {
-    const auto type = static_cast<LogicalType>(path_[at_] >> 2 & 7);
-    if (type == LogicalType::kClass || type == LogicalType::kInstance || type == LogicalType::kAttribute) {
-      at_ += 2;
-      return LogicalSegment{type, LogicalWidth::k8, path_[at_ - 1]};
-    }
+// Classes, instances and attributes in the forms that requests have, read without a Segment: one byte for the type and
+// one for the number, whether padded or packed; or padded with two for the number. The bytes taken; 0: something else.
+std::size_t take_usual(ByteView path, PathForm form, LogicalSegment& segment) {
+  constexpr unsigned kByte = 0x20, kPaddedWord = 0x21;
+  if (path.size() < 2) return 0;
+  segment.type = static_cast<LogicalType>(path[0] >> 2 & 7);
+  if (segment.type != LogicalType::kClass && segment.type != LogicalType::kInstance &&
+      segment.type != LogicalType::kAttribute)
+    return 0;
+  const unsigned kind_and_width = path[0] & 0xe3;
+  if (kind_and_width == kByte) {
+    segment.value = path[1];
+    return 2;
   }
-  const auto segment = next();
-  const auto* const logical = segment ? std::get_if<LogicalSegment>(&*segment) : nullptr;
-  return logical != nullptr ? std::optional(*logical) : std::nullopt;
+  if (kind_and_width != kPaddedWord || form != PathForm::kPadded || path.size() < 4 || path[1] != 0) return 0;
+  segment.value = read_le16(path, 2);
+  return 4;
 }
+
+// The same for whatever is a logical segment; empty for another one and for an error.
+std::optional<LogicalSegment> take_logical(ByteView& path, PathForm form) {
+  LogicalSegment usual;
+  if (const std::size_t taken = take_usual(path, form, usual); taken != 0) {
+    path = path.subspan(taken);
+    return usual;
+  }
+  EpathReader reader(path, form);
+  const auto segment = reader.next();
+  const auto* const logical = segment ? std::get_if<LogicalSegment>(&*segment) : nullptr;
+  if (logical == nullptr) return std::nullopt;
+  path = path.subspan(reader.offset());
+  return *logical;
+}
+
+}  // namespace
 
 Result<Segment, PathError> EpathReader::next() {
   Cursor cursor(path_.subspan(at_), form_);
@@ -338,9 +358,8 @@ Result<ObjectPath, GeneralStatus> parse_object_path(ByteView path, PathForm form
   enum class Seen : std::uint8_t { kNothing, kClass, kInstance, kAttribute, kMember };
   Seen seen = Seen::kNothing;
   ObjectPath object;
-  EpathReader reader(path, form);
-  while (!reader.at_end()) {
-    const auto logical = reader.next_logical();
+  while (!path.empty()) {
+    const auto logical = take_logical(path, form);
     if (!logical) return kError;
     switch (logical->type) {
       case LogicalType::kClass:

@@ -114,8 +114,6 @@ class EpathReader {
   std::size_t offset() const { return at_; }
   // Not at the end. After an error the reader stays where it is.
   Result<Segment, PathError> next();
-  // The same, if it is a logical segment; empty for another one and for an error.
-  std::optional<LogicalSegment> next_logical();
 
  private:
   ByteView path_;

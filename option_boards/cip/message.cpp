@@ -14,11 +14,11 @@ ParsedRequest parse_request(ByteView message) {
   if (path_bytes > message.size()) return {service, Unexpected(GeneralStatus::kPathSizeInvalid)};
   const auto path = parse_object_path(message.first(path_bytes), PathForm::kPadded);
   if (!path) return {service, Unexpected(path.error())};
-  Request request;
-  request.service = service;
-  request.path = *path;
-  request.data = message.subspan(path_bytes);
-  return {service, request};
+  ParsedRequest parsed{service, Request{}};
+  parsed.request->service = service;
+  parsed.request->path = *path;
+  parsed.request->data = message.subspan(path_bytes);
+  return parsed;
 }
 
 void append_request(Bytes& out, const Request& request) {

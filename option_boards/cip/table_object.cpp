@@ -24,7 +24,7 @@ Handled TableObject::handle(Instant now, const Request& request, Reply& reply) {
 GeneralStatus TableObject::append_value(const Attribute& attribute, Bytes& out) const {
   const AttributeRow& row = attribute.row;
   if (row.binding == 0) {
-    row.type.append_constant(out, row.constant);
+    out.insert(out.end(), row.value.begin(), row.value.end());
     return GeneralStatus::kSuccess;
   }
   const auto type = row.type.integer();

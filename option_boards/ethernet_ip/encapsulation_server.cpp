@@ -62,12 +62,11 @@ void append_list_identity(Bytes& out, const ListedIdentity& identity) {
 EncapsulationServer::Connection* EncapsulationServer::find(TcpId connection) {
   if (connection == 0) return nullptr;
   auto& all = state_.connections;
-  // A message asks for its connection several times.
-  if (last_found_ < all.size() && all[last_found_].id == connection) return &all[last_found_];
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].id != connection) continue;
-    last_found_ = i;
-    return &all[i];
+  // A message asks for its connection several times; after it comes mostly that of the next one.
+  std::size_t at = last_found_ < all.size() ? last_found_ : 0;
+  for (std::size_t tries = 0; tries < all.size(); ++tries) {
+    if (all[at].id == connection) return &all[last_found_ = at];
+    if (++at == all.size()) at = 0;
   }
   return nullptr;
 }
@@ -312,10 +311,10 @@ void EncapsulationServer::send_unconnected(const ReplyTo& to, ByteView message,
   Bytes& out = state_.out.begin();
   const std::size_t start = state_.out.start();
   append_header(out, {static_cast<std::uint16_t>(Command::kSendRRData), 0, to.session, 0, to.context, 0});
-  append_le32(out, kCipInterface);
-  append_le16(out, 0);
-  append_le16(out, static_cast<std::uint16_t>(2 + (o2t_sockaddr ? 1 : 0) + (t2o_sockaddr ? 1 : 0)));
-  append_item_header(out, ItemType::kNullAddress, 0);
+  const auto items = static_cast<std::uint8_t>(2 + (o2t_sockaddr ? 1 : 0) + (t2o_sockaddr ? 1 : 0));
+  // Interface handle and time-out; count; null address.
+  const std::array<std::uint8_t, 12> prefix{0, 0, 0, 0, 0, 0, items, 0, 0, 0, 0, 0};
+  out.insert(out.end(), prefix.begin(), prefix.end());
   append_item_header(out, ItemType::kUnconnectedData, message.size());
   out.insert(out.end(), message.begin(), message.end());
   if (o2t_sockaddr) {

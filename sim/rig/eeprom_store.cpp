@@ -1,6 +1,7 @@
 #include "sim/rig/eeprom_store.hpp"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -74,7 +75,12 @@ EepromStore::EepromStore(std::string folder) : folder_(std::move(folder)) {
                                "--state-dir.");
     fail(lock + " cannot be locked", reason);
   }
-  writer_ = std::thread([this] { write_queued(); });
+  writer_ = std::thread([this] {
+    // Descriptors of its own, for the loop's sake: of a table that threads share, each call on a socket takes and
+    // returns its descriptor with atomic counts. Where there is no such call it stays shared.
+    static_cast<void>(::close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_UNSHARE));
+    write_queued();
+  });
 }
 
 EepromStore::~EepromStore() {

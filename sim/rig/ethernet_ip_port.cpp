@@ -168,13 +168,17 @@ void EthernetIpPort::poll(Instant now) {
 }
 
 EthernetIpPort::Connection* EthernetIpPort::find(ethernet_ip::TcpId id) {
-  const auto is_it = [&](const auto& c) { return c->id == id && !c->closed; };
-  // Mostly the answer to a request of the connection that was found last.
-  if (last_found_ < connections_.size() && is_it(connections_[last_found_])) return connections_[last_found_].get();
-  const auto found = std::find_if(connections_.begin(), connections_.end(), is_it);
-  if (found == connections_.end()) return nullptr;
-  last_found_ = static_cast<std::size_t>(found - connections_.begin());
-  return found->get();
+  // Mostly the one behind that of the last answer: who asks at the same time is served in turn.
+  std::size_t at = last_found_ < connections_.size() ? last_found_ : 0;
+  for (std::size_t tries = 0; tries < connections_.size(); ++tries) {
+    Connection& c = *connections_[at];
+    if (c.id == id && !c.closed) {
+      last_found_ = at;
+      return &c;
+    }
+    if (++at == connections_.size()) at = 0;
+  }
+  return nullptr;
 }
 
 void EthernetIpPort::retire(Connection& c) {

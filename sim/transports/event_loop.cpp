@@ -26,9 +26,11 @@ using RealClock = std::chrono::steady_clock;
 constexpr Duration kEventSlice = std::chrono::milliseconds(2);
 // Socket handlers in one turn.
 constexpr std::size_t kHandlersPerTurn = 64;
-// While the set of sockets has traffic, Asio's reactor is looked at so often ...
-constexpr Duration kReactorInterval = std::chrono::milliseconds(1);
-// ... and this long after the last traffic the loop sleeps there again.
+// While the set of sockets has traffic, Asio's reactor is looked at so often; a little less than a drive's tick, and
+// put off until an event that comes soon, so that a tick is the only wake-up there is.
+constexpr Duration kReactorInterval = std::chrono::microseconds(900);
+constexpr Duration kReactorPatience = std::chrono::microseconds(500);
+// This long after the last traffic the loop sleeps there again.
 constexpr Duration kTrafficWindow = std::chrono::milliseconds(20);
 // Longest sleep: keeps the sum of a far event's time and the clock from overflowing.
 constexpr Duration kLongestSleep = std::chrono::hours(1);
@@ -68,7 +70,8 @@ struct EventLoop::Impl {
   kernel::LatenessHistogram lateness;
   RealClock::time_point zero;  // the real time of simulated 0, while running
   mutable std::uint64_t clock_reads = 0;
-  mutable Instant read_at{};  // by the last of them
+  mutable Instant read_at{};       // by the last of them
+  mutable bool is_recent = false;  // the loop has not slept since; one reading for each message is enough
   bool running = false;
   std::atomic<bool> stop_requested{false};
   std::optional<Instant> armed_for;
@@ -78,8 +81,10 @@ struct EventLoop::Impl {
 
   Instant real_now() const {
     ++clock_reads;
+    is_recent = true;
     return read_at = Instant{std::chrono::duration_cast<Duration>(RealClock::now() - zero)};
   }
+  Instant recent_now() const { return is_recent ? read_at : real_now(); }
 
   Instant now() const {
     Instant t = scheduler.now();
@@ -96,7 +101,7 @@ struct EventLoop::Impl {
 
   // Runs what is due. True if more is due than one slice holds.
   bool run_due_events() {
-    Instant real = real_now();
+    Instant real = recent_now();
     const Instant slice_end = real + kEventSlice;
     while (!stop_requested.load(std::memory_order_relaxed)) {
       const auto next = scheduler.next_event_at();
@@ -147,13 +152,15 @@ struct EventLoop::Impl {
       served = io.poll_one();
     }
     for (std::size_t i = 1; served != 0 && i < kHandlersPerTurn && !interrupted(); ++i) served = io.poll_one();
+    is_recent = false;
   }
 
   void serve_set(bool may_sleep) {
-    const Instant real = real_now();
+    const Instant real = recent_now();
+    is_recent = false;
     if (may_sleep) {
       const auto next = scheduler.next_event_at();
-      const Instant wake = next ? std::min(reactor_at, *next) : reactor_at;
+      const Instant wake = next && *next <= reactor_at + kReactorPatience ? *next : reactor_at;
       ready_set.wait(zero + wake.time_since_epoch());
     } else {
       ready_set.wait(std::nullopt);
@@ -175,9 +182,9 @@ struct EventLoop::Impl {
   void serve_sockets(bool may_sleep) {
     if (!has_traffic) return serve_reactor(may_sleep);
     serve_set(may_sleep);
-    if (real_now() < reactor_at) return;
+    if (recent_now() < reactor_at) return;
     // A turn that was full, or that an event ended, goes on after it.
-    if (serve_reactor_now()) reactor_at = real_now() + kReactorInterval;
+    if (serve_reactor_now()) reactor_at = recent_now() + kReactorInterval;
   }
 
   // True if nothing is left.

@@ -123,6 +123,7 @@ struct FaultInjector::Impl : Data, std::enable_shared_from_this<Impl> {
     Lane& l = lane(direction);
     auto& [plan, counts, random] = *course;
     if (plan.rules.empty() && l.delayed == 0 && !l.held) return deliver(direction, now, bytes, line_error);
+    const auto self = shared_from_this();  // a handler may destroy the stream
     Pieces pieces{{Duration{}, Bytes(bytes.begin(), bytes.end())}};
     std::optional<Duration> hold;
     for (std::size_t i = 0; i < plan.rules.size(); ++i) {
@@ -300,8 +301,9 @@ void FaultInjector::set_handlers(OnBytes on_bytes, OnClosed on_closed) {
   if (!first) return;
   const std::weak_ptr<Impl> weak = impl_;
   impl_->inner->set_handlers(
-      [weak](Instant now, ByteView bytes, bool line_error) {
-        if (const auto impl = weak.lock()) impl->pass(Direction::kReceive, now, bytes, line_error);
+      // The stream inside is destroyed before what is around it, and calls nobody then.
+      [impl = impl_.get()](Instant now, ByteView bytes, bool line_error) {
+        impl->pass(Direction::kReceive, now, bytes, line_error);
       },
       [weak](Instant now, const std::string& reason) {
         if (const auto impl = weak.lock()) impl->end(now, reason);

@@ -191,6 +191,8 @@ class MitsubishiInverter : public Inverter, protected port::DrivePort {
   drive::DriveSettings settings_;
   SettingsSelection settings_selection_;
   std::uint32_t settings_revision_ = 0;
+  mutable InputSignals functions_;  // that some input terminal has
+  mutable std::uint32_t functions_revision_ = 0;
 
  private:
   void archive_state(Archive& a) override;  // inverter_snapshot.cpp

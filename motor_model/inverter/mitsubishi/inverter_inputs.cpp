@@ -27,9 +27,16 @@ InputSignals MitsubishiInverter::assigned(port::NetTerminals closed) const {
 }
 
 bool MitsubishiInverter::has_function(InputSignal signal) const {
-  return std::any_of(personality_.inputs.begin(), personality_.inputs.end(), [&](const InputTerminal& input) {
-    return (input.signal ? input.signal : data_.signals.input(store_.integer(input.function))) == signal;
-  });
+  // Asked for several times in each tick, and the answer changes with the parameters only.
+  if (functions_revision_ != store_.revision()) {
+    functions_ = {};
+    for (const InputTerminal& input : personality_.inputs) {
+      const auto has = input.signal ? input.signal : data_.signals.input(store_.integer(input.function));
+      if (has) functions_.set(*has, true);
+    }
+    functions_revision_ = store_.revision();
+  }
+  return functions_.has(signal);
 }
 
 InputSignals MitsubishiInverter::wired_signals() const {

@@ -9,7 +9,8 @@ void MitsubishiInverter::archive_state(Archive& a) {
   // All members are named, so that a new one is thought of here. The first ones are what the inverter was made as.
   VINV_MEMBERS(*this, personality, data, model, option_fitted, nominal_mains_v_rms, brake_resistor, snapshot_grid, now,
                mains, breaker, control_alive, eeprom_changed, wiring, causes, store, record, v, core, plant, events,
-               settings, settings_selection, settings_revision);
+               settings, settings_selection, settings_revision, functions, functions_revision);
+  if (a.loads()) functions_revision = 0;  // no store has it
   a.must_match("family", personality.family);
   a.must_match("inverter", model.model);
   a.must_match("option board slot (fitted or empty)", option_fitted ? 1 : 0);
