@@ -73,8 +73,8 @@ class CipUnit final : public cip::Device, public cip::IoPoints {
   // The cable is plugged and the other end is alive. A link that was there and is lost is a line error (4.5.1); one
   // that has not been there since the start is not (chapter 8: the panel shows 0.00, the LED is off).
   void set_link(Instant now, bool up);
-  // A fault of the option itself (4.5.2): MS lights red, it leaves the network, and the inverter is told. Acts until the
-  // next start after it is mended.
+  // A fault of the option itself (4.5.2): MS lights red, it leaves the network, and the inverter is told. Acts until
+  // the next start after it is mended.
   void set_failed(Instant now, bool failed);
   // Somebody else has the option's address. It then leaves the network until the next start (1.2, chapter 8).
   void set_address_conflict(Instant now, bool conflict);

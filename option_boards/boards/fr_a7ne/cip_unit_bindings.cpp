@@ -215,8 +215,8 @@ struct CipUnit::Bindings {
     return speed_of(unit, parameter(unit, parameter_of(a)), 0xFFFF);
   }
   static SetResult set_speed_limit(Unit& unit, const SetRequest& s) {
-    return unit.post(
-        s.now, parameter_request(parameter_of(s.attribute), unit.speed_scale().frequency_of(s.number)), s.ticket);
+    return unit.post(s.now, parameter_request(parameter_of(s.attribute), unit.speed_scale().frequency_of(s.number)),
+                     s.ticket);
   }
   static Got get_reference_from_net(const Unit& unit, const Attribute&) { return unit.reference_from_net() ? 1 : 0; }
   // 4.6: in NET operation, not while a line error lasts.

@@ -191,5 +191,13 @@ TEST(FrA7neSpeed, EveryCombinationOfPr37AndPr144) {
   }
 }
 
+// 7.3: no attributes.
+TEST(FrA7neConnectionManager, HasNoAttributes) {
+  A700OnEthernetIp b;
+  EXPECT_EQ(b.ask("0E 03 20 06 24 01 30 01"), "08");
+  EXPECT_EQ(b.ask("0E 03 20 06 24 00 30 01"), "08");
+  EXPECT_EQ(b.ask("10 03 20 06 24 01 30 01 00 00"), "08");
+}
+
 }  // namespace
 }  // namespace vinv::boards::fr_a7ne

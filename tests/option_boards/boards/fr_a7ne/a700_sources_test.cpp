@@ -120,8 +120,8 @@ std::string run(const Case& c, By by) {
   std::ostringstream seen;
   const auto watch = [&](Duration time) {
     for (const Instant end = b.now + time; b.now < end; b.run(10ms)) {
-      seen << b.hz() << ' ' << b.signal("output_current") << ' ' << static_cast<int>(b.inverter->port().operation_mode())
-           << b.alarm() << b.inverter->port().ready() << '\n';
+      seen << b.hz() << ' ' << b.signal("output_current") << ' '
+           << static_cast<int>(b.inverter->port().operation_mode()) << b.alarm() << b.inverter->port().ready() << '\n';
     }
   };
   until(800ms);

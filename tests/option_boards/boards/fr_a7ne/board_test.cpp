@@ -148,8 +148,7 @@ TEST(FrA7neBoard, FlashValuesThatAreNoneAreRefused) {
   ASSERT_TRUE(with("host_name = ", "host_name = a%25"));
   EXPECT_EQ(with("host_name = ", "host_name = a%25")->host_name, "a%");
   EXPECT_TRUE(with("host_name = ", "host_name = " + std::string(48, 'a')));
-  EXPECT_EQ(with("host_name = ", "host_name = " + std::string(49, 'a')).error(),
-            "line 9: host_name has no such value");
+  EXPECT_EQ(with("host_name = ", "host_name = " + std::string(49, 'a')).error(), "line 9: host_name has no such value");
   for (const char* bad : {"%", "%2", "%2G", "%G2"}) {
     EXPECT_FALSE(with("host_name = ", std::string("host_name = ") + bad)) << bad;
   }

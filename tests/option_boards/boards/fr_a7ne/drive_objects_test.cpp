@@ -395,5 +395,24 @@ TEST_F(FrA7neDrive, LargestCurrentIsThatOfTheType) {
   EXPECT_EQ(get(0x2A, 1, 9), "00 FF 7F");
 }
 
+TEST_F(FrA7neDrive, SourceIsTheNetworkWith0Only) {
+  drive.parameters[339].value = 2;
+  EXPECT_EQ(get(0x2A, 1, 4), "00 00");
+}
+
+TEST_F(FrA7neDrive, FaultResetWithoutAnAlarmIsTakenEverywhere) {
+  drive.parameters[349].value = 1;
+  drive.mode = port::OperationMode::kPu;
+  EXPECT_EQ(set(0x29, 1, 12, "01"), "00");
+  EXPECT_TRUE(drive.posted.empty());
+}
+
+// 4.2.1: with key bits Pr.346 acts as 132, so that is what changes.
+TEST_F(FrA7neDrive, AssemblySelectionTakesTheKeyBitsAway) {
+  drive.parameters[346] = {0x1318, 0, 0xFFFF};
+  EXPECT_EQ(set(0x29, 1, 141, "14"), "00");
+  EXPECT_EQ(drive.parameters[346].value, 0x80u);
+}
+
 }  // namespace
 }  // namespace vinv::boards::fr_a7ne

@@ -21,8 +21,9 @@ TEST_F(FrA7neIo, SelectedPairIsServed) {
     std::uint32_t pr346, output, input;
     std::size_t bytes;
   };
-  for (const Row& row : {Row{kPr346For20, 20, 70, 4}, Row{kPr346For21, 21, 71, 4}, Row{kPr346For126, 126, 176, 6},
-                         Row{kPr346For129, 129, 179, 6}, Row{0x1000 | kPr346For126, 21, 71, 4}, Row{2u << 2 | 31u << 7, 21, 71, 4}}) {
+  for (const Row& row :
+       {Row{kPr346For20, 20, 70, 4}, Row{kPr346For21, 21, 71, 4}, Row{kPr346For126, 126, 176, 6},
+        Row{kPr346For129, 129, 179, 6}, Row{0x1000 | kPr346For126, 21, 71, 4}, Row{2u << 2 | 31u << 7, 21, 71, 4}}) {
     select(row.pr346);
     for (const std::uint32_t point : {20u, 21u, 126u, 129u, 70u, 71u, 176u, 179u, 0u, 100u}) {
       EXPECT_EQ(unit.consumed_size(point), point == row.output ? std::optional(row.bytes) : std::nullopt) << point;
@@ -353,8 +354,9 @@ TEST_F(FrA7neIo, MonitorSelectionHasWhatTheListHas) {
     output(129, "00 00 00 00 " + test::to_hex(Bytes{static_cast<std::uint8_t>(number)}) + " 00");
     if (input(179).substr(12) == "01 01") listed += test::to_hex(Bytes{static_cast<std::uint8_t>(number)}) + " ";
   }
-  EXPECT_EQ(listed,
-            "01 02 03 05 06 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 13 14 16 17 18 19 20 21 22 23 32 33 34 35 36 3A 3B 3C ");
+  EXPECT_EQ(
+      listed,
+      "01 02 03 05 06 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 13 14 16 17 18 19 20 21 22 23 32 33 34 35 36 3A 3B 3C ");
 }
 
 TEST_F(FrA7neIo, SignalsOf129StayWithIdleAndWithExplicitRunCommands) {
@@ -404,6 +406,16 @@ TEST_F(FrA7neIo, PolledWriteWaitsForATakenMailbox) {
   drive.refuse_post.reset();
   tick(3);
   EXPECT_EQ(terminals(), bit(NetTerminal::kStf));
+}
+
+// 7.2.1: valid only at an inverter trip; a bit that is on already when it comes is no edge.
+TEST_F(FrA7neIo, FaultResetWithoutAnAlarmIsNone) {
+  select(kPr346For21);
+  output(21, "24 00 00 00");
+  EXPECT_EQ(drive.posted.size(), 1u) << "the run command";
+  drive.status_now.alarm = true;
+  output(21, "24 00 01 00");
+  EXPECT_TRUE(drive.status_now.alarm);
 }
 
 }  // namespace

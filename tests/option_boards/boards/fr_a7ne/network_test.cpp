@@ -229,7 +229,6 @@ TEST_F(FrA7neNetwork, IdentityStateFollowsStartAndAddress) {
   EXPECT_EQ(unit.identity_state(), cip::IdentityState::kStandby);
 }
 
-
 TEST_F(FrA7neNetwork, AddressThatSomebodyHasIsFoundAtTheStart) {
   power(false);
   unit.set_address_conflict(now, true);

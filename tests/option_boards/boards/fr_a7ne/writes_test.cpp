@@ -55,6 +55,7 @@ TEST_F(FrA7neWrites, FastTimingHasNoPauses) {
 TEST_F(FrA7neWrites, ParameterClearIsSilentForFiveSeconds) {
   EXPECT_EQ(request("10 03 20 2A 24 01 30 66 5A 96"), "later");
   tick(4999);
+  EXPECT_EQ(unit.next_deadline(), now + std::chrono::milliseconds(1));
   EXPECT_EQ(poll(), "");
   EXPECT_EQ(count(Kind::kRestoreDefaults), 1u);
   EXPECT_EQ(request(kWritePr7), "0C");
