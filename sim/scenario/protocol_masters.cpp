@@ -10,6 +10,7 @@
 #include "sim/masters/eip_station.hpp"
 #include "sim/masters/modbus_station.hpp"
 #include "sim/scenario/master_words.hpp"
+#include "sim/scenario/scanner_words.hpp"
 #include "sim/scenario/units.hpp"
 #include "sim/transports/memory_streams.hpp"
 
@@ -41,6 +42,19 @@ constexpr Kind kKinds[] = {{"modbus", "modbus", Wire::kSerial},
                            {"ethernet-ip-class3", "ethernet-ip-explicit", Wire::kEthernet, true}};
 
 constexpr Duration kTcpDelay = std::chrono::microseconds(100);  // of a local network
+
+// Its number among those of its sort; Ethernet has one for each drive, which is at this place in the plant.
+std::optional<std::size_t> wire_of(Wire wire, const rig::DriveUnit& drive, std::size_t place) {
+  const auto& board = drive.spec.board;
+  if (!board) return std::nullopt;
+  switch (wire) {
+    case Wire::kSerial: return board->serial;
+    case Wire::kTcp: return board->tcp;
+    case Wire::kCan: return drive.controller ? board->can : std::nullopt;
+    case Wire::kEthernet: return drive.ethernet ? std::optional(place) : std::nullopt;
+  }
+  return std::nullopt;
+}
 
 // A serial line's settings as masters have them.
 masters::ModbusMasterSettings modbus_settings(const boards::LineSettings& line) {
@@ -235,13 +249,7 @@ class ProtocolMaster : public Master, private State {
 
   // nullptr and an outcome: the drive has no such wire.
   masters::Station* station_of(Instant now, const rig::DriveUnit& drive) {
-    const auto& board = drive.spec.board;
-    const auto wire = !board                          ? std::nullopt
-                      : kind_.wire == Wire::kSerial   ? board->serial
-                      : kind_.wire == Wire::kTcp      ? board->tcp
-                      : kind_.wire == Wire::kEthernet ? ethernet_of(drive)
-                      : drive.controller              ? board->can
-                                                      : std::nullopt;
+    const auto wire = wire_of(kind_.wire, drive, index_of(drive));
     if (!wire) {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
@@ -260,10 +268,6 @@ class ProtocolMaster : public Master, private State {
     return static_cast<std::size_t>(at - all.begin());
   }
   // A scanner for each adapter.
-  std::optional<std::size_t> ethernet_of(const rig::DriveUnit& drive) const {
-    return drive.ethernet != nullptr ? std::optional(index_of(drive)) : std::nullopt;
-  }
-
   std::unique_ptr<masters::Station> make(Instant now, const rig::DriveUnit& drive, std::size_t wire) {
     rig::Plant& plant = context_.plant;
     kernel::Scheduler& scheduler = plant.scheduler();
@@ -426,7 +430,8 @@ std::vector<MasterKind> protocol_masters() {
                        return said ? std::string() : said.error();
                      }
                      return {};
-                   }});
+                   },
+                   [&kind](const rig::DriveUnit& drive) { return wire_of(kind.wire, drive, 0).has_value(); }});
   return out;
 }
 
