@@ -43,15 +43,15 @@ constexpr Kind kKinds[] = {{"modbus", "modbus", Wire::kSerial},
 
 constexpr Duration kTcpDelay = std::chrono::microseconds(100);  // of a local network
 
-// Its number among those of its sort; Ethernet has one for each drive, which is at this place in the plant.
-std::optional<std::size_t> wire_of(Wire wire, const rig::DriveUnit& drive, std::size_t place) {
+// Its number among those of its sort; Ethernet has one for each drive, with the given number.
+std::optional<std::size_t> wire_of(Wire wire, const rig::DriveUnit& drive, std::optional<std::size_t> ethernet) {
   const auto& board = drive.spec.board;
   if (!board) return std::nullopt;
   switch (wire) {
     case Wire::kSerial: return board->serial;
     case Wire::kTcp: return board->tcp;
     case Wire::kCan: return drive.controller ? board->can : std::nullopt;
-    case Wire::kEthernet: return drive.ethernet ? std::optional(place) : std::nullopt;
+    case Wire::kEthernet: return ethernet;
   }
   return std::nullopt;
 }
@@ -249,7 +249,7 @@ class ProtocolMaster : public Master, private State {
 
   // nullptr and an outcome: the drive has no such wire.
   masters::Station* station_of(Instant now, const rig::DriveUnit& drive) {
-    const auto wire = wire_of(kind_.wire, drive, index_of(drive));
+    const auto wire = wire_of(kind_.wire, drive, ethernet_of(drive));
     if (!wire) {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
@@ -268,6 +268,10 @@ class ProtocolMaster : public Master, private State {
     return static_cast<std::size_t>(at - all.begin());
   }
   // A scanner for each adapter.
+  std::optional<std::size_t> ethernet_of(const rig::DriveUnit& drive) const {
+    return drive.ethernet != nullptr ? std::optional(index_of(drive)) : std::nullopt;
+  }
+
   std::unique_ptr<masters::Station> make(Instant now, const rig::DriveUnit& drive, std::size_t wire) {
     rig::Plant& plant = context_.plant;
     kernel::Scheduler& scheduler = plant.scheduler();
@@ -431,7 +435,9 @@ std::vector<MasterKind> protocol_masters() {
                      }
                      return {};
                    },
-                   [&kind](const rig::DriveUnit& drive) { return wire_of(kind.wire, drive, 0).has_value(); }});
+                   [&kind](const rig::DriveUnit& drive) {
+                     return wire_of(kind.wire, drive, drive.ethernet ? std::optional(0) : std::nullopt).has_value();
+                   }});
   return out;
 }
 
