@@ -422,22 +422,23 @@ static std::string objection(const Kind& kind, const rig::Plant& plant) {
 std::vector<MasterKind> protocol_masters() {
   std::vector<MasterKind> out;
   for (const Kind& kind : kKinds)
-    out.push_back({kind.name, kind.wire == Wire::kEthernet ? master_words() : common_master_words(),
-                   [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
-                     if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
-                     return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
-                   },
-                   [&kind](std::string_view word, const Json& value) -> std::string {
-                     for (const masters::BoardProfile& profile : masters::profiles()) {
-                       if (profile.protocol != kind.profile) continue;
-                       const auto said = read_master_word(profile, word, value);
-                       return said ? std::string() : said.error();
-                     }
-                     return {};
-                   },
-                   [&kind](const rig::DriveUnit& drive) {
-                     return wire_of(kind.wire, drive, drive.ethernet ? std::optional(0) : std::nullopt).has_value();
-                   }});
+    out.push_back(
+        {kind.name, kind.wire == Wire::kEthernet ? master_words() : common_master_words(),
+         [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
+           if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
+           return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
+         },
+         [&kind](std::string_view word, const Json& value) -> std::string {
+           for (const masters::BoardProfile& profile : masters::profiles()) {
+             if (profile.protocol != kind.profile) continue;
+             const auto said = read_master_word(profile, word, value);
+             return said ? std::string() : said.error();
+           }
+           return {};
+         },
+         [&kind](const rig::DriveUnit& drive) {
+           return wire_of(kind.wire, drive, drive.ethernet ? std::optional<std::size_t>(0) : std::nullopt).has_value();
+         }});
   return out;
 }
 
