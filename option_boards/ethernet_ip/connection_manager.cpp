@@ -227,6 +227,13 @@ void ConnectionManager::close_all() {
   state_.expiry.reset();
 }
 
+std::optional<cip::RunMode> ConnectionManager::owner_mode() const {
+  for (const Connection& c : state_.connections)
+    if (c.open && c.transport != TransportClass::kClass3 && c.role == cip::IoRole::kExclusiveOwner && c.synchronized)
+      return c.mode;
+  return std::nullopt;
+}
+
 void ConnectionManager::handle_timeout(Instant now) {
   if (!state_.expiry || *state_.expiry > now) return;
   state_.expiry.reset();

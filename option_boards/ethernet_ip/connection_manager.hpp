@@ -92,6 +92,8 @@ class ConnectionManager : public cip::Object {
 
   std::size_t io_connections() const { return count(false); }
   std::size_t explicit_connections() const { return count(true); }
+  // Whether the owner's last packet said run. Empty: there is no owner, or it has not said anything yet.
+  std::optional<cip::RunMode> owner_mode() const;
 
  private:
   struct State {

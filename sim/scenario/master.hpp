@@ -62,6 +62,8 @@ struct MasterKind {
   // What is wrong with a word's value, whatever the plant: a sentence without full stop; empty: nothing. Not set: it is
   // told when the word is said.
   std::function<std::string(std::string_view word, const rig::Json& value)> objection = {};
+  // Whether the drive is on a wire of the master. Not set: every drive is.
+  std::function<bool(const rig::DriveUnit& drive)> reaches = {};
 };
 
 }  // namespace vinv::scenario

@@ -1,5 +1,5 @@
-// Words that masters are told, from the values of a scenario file: orders of a drive engineer, tasks of an EtherNet/IP
-// scanner. What cannot be understood is told when the file is read.
+// Words that masters are told, from the values of a scenario file. What cannot be understood is told when the file is
+// read.
 #pragma once
 
 #include <optional>
@@ -42,8 +42,7 @@ struct Said {
 Result<Said, std::string> read_master_word(const masters::BoardProfile& profile, std::string_view word,
                                            const rig::Json& value);
 
-// Of all protocols, and of EtherNet/IP beside them.
+// Of all protocols; EtherNet/IP has scanner_words() beside them.
 const std::vector<std::string_view>& common_master_words();
-const std::vector<std::string_view>& scanner_words();
 
 }  // namespace vinv::scenario

@@ -10,6 +10,7 @@
 #include "sim/masters/eip_station.hpp"
 #include "sim/masters/modbus_station.hpp"
 #include "sim/scenario/master_words.hpp"
+#include "sim/scenario/scanner_words.hpp"
 #include "sim/scenario/units.hpp"
 #include "sim/transports/memory_streams.hpp"
 
@@ -42,6 +43,19 @@ constexpr Kind kKinds[] = {{"modbus", "modbus", Wire::kSerial},
 
 constexpr unsigned kAddressTries = 40;
 constexpr Duration kTcpDelay = std::chrono::microseconds(100);  // of a local network
+
+// Its number among those of its sort; Ethernet has one for each drive, with the given number.
+std::optional<std::size_t> wire_of(Wire wire, const rig::DriveUnit& drive, std::optional<std::size_t> ethernet) {
+  const auto& board = drive.spec.board;
+  if (!board) return std::nullopt;
+  switch (wire) {
+    case Wire::kSerial: return board->serial;
+    case Wire::kTcp: return board->tcp;
+    case Wire::kCan: return drive.controller ? board->can : std::nullopt;
+    case Wire::kEthernet: return ethernet;
+  }
+  return std::nullopt;
+}
 
 // A serial line's settings as masters have them.
 masters::ModbusMasterSettings modbus_settings(const boards::LineSettings& line) {
@@ -236,13 +250,7 @@ class ProtocolMaster : public Master, private State {
 
   // nullptr and an outcome: the drive has no such wire.
   masters::Station* station_of(Instant now, const rig::DriveUnit& drive) {
-    const auto& board = drive.spec.board;
-    const auto wire = !board                          ? std::nullopt
-                      : kind_.wire == Wire::kSerial   ? board->serial
-                      : kind_.wire == Wire::kTcp      ? board->tcp
-                      : kind_.wire == Wire::kEthernet ? ethernet_of(drive)
-                      : drive.controller              ? board->can
-                                                      : std::nullopt;
+    const auto wire = wire_of(kind_.wire, drive, ethernet_of(drive));
     if (!wire) {
       outcome_ = Unexpected(drive.spec.name + " is on no wire of the master " + std::string(kind_.name));
       return nullptr;
@@ -420,19 +428,23 @@ static std::string objection(const Kind& kind, const rig::Plant& plant) {
 std::vector<MasterKind> protocol_masters() {
   std::vector<MasterKind> out;
   for (const Kind& kind : kKinds)
-    out.push_back({kind.name, kind.wire == Wire::kEthernet ? master_words() : common_master_words(),
-                   [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
-                     if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
-                     return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
-                   },
-                   [&kind](std::string_view word, const Json& value) -> std::string {
-                     for (const masters::BoardProfile& profile : masters::profiles()) {
-                       if (profile.protocol != kind.profile) continue;
-                       const auto said = read_master_word(profile, word, value);
-                       return said ? std::string() : said.error();
-                     }
-                     return {};
-                   }});
+    out.push_back(
+        {kind.name, kind.wire == Wire::kEthernet ? master_words() : common_master_words(),
+         [&kind](const MasterContext& context) -> Result<std::unique_ptr<Master>, std::string> {
+           if (auto why = objection(kind, context.plant); !why.empty()) return Unexpected(std::move(why));
+           return std::unique_ptr<Master>(std::make_unique<ProtocolMaster>(kind, context));
+         },
+         [&kind](std::string_view word, const Json& value) -> std::string {
+           for (const masters::BoardProfile& profile : masters::profiles()) {
+             if (profile.protocol != kind.profile) continue;
+             const auto said = read_master_word(profile, word, value);
+             return said ? std::string() : said.error();
+           }
+           return {};
+         },
+         [&kind](const rig::DriveUnit& drive) {
+           return wire_of(kind.wire, drive, drive.ethernet ? std::optional<std::size_t>(0) : std::nullopt).has_value();
+         }});
   return out;
 }
 

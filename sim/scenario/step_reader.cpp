@@ -206,9 +206,20 @@ bool StepReader::pace(const StepMap& map, Step& s, const ExpectationReader& read
       problems_.add(via->value, "there is no master \"" + s.via + "\"; " +
                                     (known.empty() ? "none is known." : rig::allowed_words(s.via, known)));
       fine = false;
+    } else if (const Keys reaching = masters_of(s.drive); !contains(reaching, s.via)) {
+      problems_.add(via->value, std::string(trial_.drive_names()[s.drive]) + " is on no wire of the master " + s.via +
+                                    "; " +
+                                    (reaching.empty() ? "no master reaches it." : rig::allowed_words(s.via, reaching)));
     }
   }
   return fine;
+}
+
+std::vector<std::string_view> StepReader::masters_of(std::size_t drive) const {
+  std::vector<std::string_view> names;
+  for (const MasterKind& m : options_.masters)
+    if (!m.reaches || m.reaches(trial_.observer(drive).drive())) names.push_back(m.name);
+  return names;
 }
 
 void StepReader::action(const StepMap& map, const YAML::Node& value, Step& s) {
@@ -227,7 +238,7 @@ void StepReader::action(const StepMap& map, const YAML::Node& value, Step& s) {
                                        rig::allowed_words(a.command, master->words));
     else if (master != options_.masters.end() && master->objection)
       if (const std::string why = master->objection(a.command, a.value); !why.empty())
-        problems_.add(value.IsNull() ? verb.key_node : value, why + ".");
+        problems_.add(value.IsNull() ? verb.key_node : value, rig::sentence(why));
   } else if (!a.refused) {
     try_by_hand(trial_, s.drive, a, rig::position_of(verb.key_node), value, problems_);
   }

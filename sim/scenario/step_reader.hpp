@@ -33,6 +33,7 @@ class StepReader {
   void step(const YAML::Node& node, const Variables& variables, int depth, std::vector<Step>& out);
   bool pace(const StepMap& map, Step& step, const ExpectationReader& reader);
   void action(const StepMap& map, const YAML::Node& value, Step& step);
+  std::vector<std::string_view> masters_of(std::size_t drive) const;
   void repeat(const YAML::Node& value, Step step, const Variables& variables, int depth, std::vector<Step>& out);
   void watch(const StepMap& map, const YAML::Node& value, Step step, const Variables& variables, int depth,
              std::vector<Step>& out);

@@ -149,6 +149,7 @@ TEST_F(IoConnectionsTest, DataGoToTheDeviceWithRunAndIdle) {
   master.send_io(id, 1, 1, "01 02 03 04");
   master.send_io(id, 2, 2, "05 06 07 08", false);
   EXPECT_EQ(bench.take_log(), (std::vector<std::string>{"run 21: 01 02 03 04", "idle 21: 05 06 07 08"}));
+  EXPECT_EQ(bench.adapter.connections().owner_mode(), cip::RunMode::kIdle);
 }
 
 TEST_F(IoConnectionsTest, OldAndRepeatedPacketsAreDropped) {

@@ -181,6 +181,10 @@ TEST(ProtocolMasters, AValueThatAMasterCannotSayIsRefusedAtReading) {
                 "input.mask is \"FFFF\"; allowed: as many bytes"},
            Case{"{ via: ethernet-ip, idle: perhaps }", "idle is \"perhaps\"; allowed: on, off."},
            Case{"{ via: modbus, open: }", "the master modbus cannot say \"open\"; allowed: mode"},
+           Case{"{ via: ethernet-ip, request: { service: 1, pat: 0x01/1 } }", "Did you mean \"path\"?"},
+           Case{"{ via: ethernet-ip, run: forward }",
+                "drive_1 is on no wire of the master ethernet-ip; allowed: modbus, modbus_tcp, canopen, canopen_sdo, "
+                "canopen_402."},
        }) {
     LoadOptions load = testing::load_options();
     load.masters = protocol_masters();
@@ -189,8 +193,32 @@ TEST(ProtocolMasters, AValueThatAMasterCannotSayIsRefusedAtReading) {
       ADD_FAILURE() << c.step;
     } catch (const ScenarioFileError& e) {
       EXPECT_NE(std::string(e.what()).find(c.message), std::string::npos) << c.step << "\n" << e.what();
+      EXPECT_EQ(std::string(e.what()).find("?."), std::string::npos) << e.what();
     }
   }
+}
+
+TEST(ProtocolMasters, ADriveThatAMasterDoesNotReachIsToldAtReading) {
+  LoadOptions load = testing::load_options();
+  load.masters = protocol_masters();
+  const auto told = [&](const std::string& drive, const std::string& step) {
+    try {
+      testing::read("# x\nplant: { drives: [{ " + drive + " }] }\nsteps:\n  - " + step + "\n", load);
+    } catch (const ScenarioFileError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const std::string a700 = "inverter: { model: FR-A740-1.5K }", wired = "{ via: modbus_tcp, run: forward }";
+  EXPECT_EQ(told(a700, "{ via: ethernet-ip, run: forward }"), "");
+  EXPECT_NE(told(a700, wired).find("drive_1 is on no wire of the master modbus_tcp; allowed: ethernet-ip, "),
+            std::string::npos);
+  EXPECT_NE(told(a700 + ", board: none", "{ via: ethernet-ip, run: forward }").find("; no master reaches it."),
+            std::string::npos);
+  EXPECT_EQ(told("board: { modbus_tcp: none }", "{ via: modbus, run: forward }"), "");
+  EXPECT_NE(told("board: { modbus_tcp: none }", wired).find("; allowed: modbus, canopen, "), std::string::npos);
+  EXPECT_NE(told("board: { network: none }", "{ via: canopen, run: forward }").find("; allowed: modbus, modbus_tcp."),
+            std::string::npos);
 }
 
 TEST(ProtocolMasters, ASerialLineThatSomebodyOutsideHasIsNotTakenAway) {
