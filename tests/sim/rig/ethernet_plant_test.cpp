@@ -122,6 +122,30 @@ TEST(EthernetPlant, PulledCableTripsTheDriveAndTheSessionOutlivesIt) {
   EXPECT_EQ(s.led("a", "NS"), "green");
 }
 
+// 4.5.2: an error of the option itself; nobody reaches it until it is mended and started anew.
+TEST(EthernetPlant, FailedOptionIsSilentAndTheDriveHasE3) {
+  Stage s;
+  MemoryScanner scanner(*s.plant, kFirst);
+  ASSERT_TRUE(scanner.connect() && scanner.own());
+  scanner.run_for(100ms);
+  EXPECT_NE(s.command("names", "a", {}).find("\"option_failure\""), std::string::npos);
+  EXPECT_EQ(s.command("fault", "a", {"option_failure=on"}).find("refused"), std::string::npos);
+  scanner.run_for(10ms);
+  EXPECT_EQ(s.alarm("a"), "E.3");
+  EXPECT_EQ(s.alarm("b"), "");
+  EXPECT_EQ(s.led("a", "MS"), "red");
+  EXPECT_TRUE(scanner.closed);
+  MemoryScanner again(*s.plant, kFirst, ipv4(192, 168, 1, 7));
+  EXPECT_FALSE(again.connect());
+  s.command("fault", "a", {"option_failure=off"});
+  s.command("reset", "a", {});
+  s.scheduler.run_until(s.scheduler.now() + 2s);
+  EXPECT_EQ(s.alarm("a"), "");
+  EXPECT_EQ(s.led("a", "MS"), "green flashing");
+  EXPECT_TRUE(again.connect());
+  EXPECT_EQ(s.plant->find("a")->inverter->get_parameter("Pr.501").value(), 0) << "no line error";
+}
+
 TEST(EthernetPlant, ShortInterruptionIsBridged) {
   Stage s(
       "drives:\n  - { name: a, inverter: { family: fr-a700, model: FR-A740-1.5K },\n"
