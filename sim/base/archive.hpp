@@ -165,7 +165,7 @@ template <class T>
 void archive(Archive& a, std::optional<T>& value) {
   bool present = value.has_value();
   a.io(present);
-  if (a.loads() && present && !value) value.emplace();
+  if (a.loads() && present && !value) value.emplace(T{});
   if (!present) {
     value.reset();
   } else {
