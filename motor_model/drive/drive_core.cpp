@@ -52,6 +52,8 @@ struct DriveCore::Tick {
   double reference_hz;          // magnitude after jumps and limits; 0 where it is below the start frequency
   bool wanted;                  // the command asks for rotation
   double torque_current_a_rms;  // negative while the motor brakes
+
+  bool pre_excited() const { return command.pre_excite && settings.vector.on; }
 };
 
 bool DriveCore::output_on() const {
@@ -174,7 +176,11 @@ void DriveCore::stop_or_run(const Tick& t) {
   const bool start_on = t.command.direction != RunDirection::kStop;
   switch (state_) {
     case RunState::kStopped:
-      if (t.wanted && !link_.low()) start(t);
+      if (link_.low()) return;
+      if (t.wanted)
+        start(t);
+      else if (t.pre_excited())
+        begin_brake(t);
       return;
     case RunState::kDcBraking:
       if (t.wanted)
@@ -203,7 +209,9 @@ void DriveCore::stop_or_run(const Tick& t) {
 
 // The output comes on at the start frequency.
 void DriveCore::start(const Tick& t) {
+  const VectorControl excited = vector_;  // the flux of zero speed is kept
   output_off(RunState::kAccelerating);
+  vector_ = excited;
   const double target = sign_of(t.command.direction) * t.reference_hz;
   ramp_.set(std::copysign(std::min(t.settings.start_frequency_hz, t.reference_hz), target));
   if (ramp_.motion_towards(target) == Motion::kConstant) state_ = RunState::kConstant;
@@ -279,10 +287,11 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
         ramp_.set(std::copysign(std::min(s.start_frequency_hz, std::abs(target_hz)), target_hz));
       }
     } else if (target_hz == 0 && std::abs(f) <= DcBrake::begins_at_hz(s)) {
-      const bool brakes = DcBrake::fitted(s);
-      output_off(brakes ? RunState::kDcBraking : RunState::kStopped);
-      dc_brake_.begin();
-      if (brakes) brake(t);
+      if (DcBrake::fitted(s) || t.pre_excited()) {
+        begin_brake(t);
+      } else {
+        output_off(RunState::kStopped);
+      }
       return;
     }
   }
@@ -295,8 +304,15 @@ void DriveCore::run_ramp(const Tick& t, double target_hz) {
   if (state_ == RunState::kConstant && !cushion_.rising()) catching_ = false;
 }
 
+void DriveCore::begin_brake(const Tick& t) {
+  output_off(RunState::kDcBraking);
+  dc_brake_.begin();
+  brake(t);
+}
+
 void DriveCore::brake(const Tick& t) {
-  if (!dc_brake_.step(t.dt_s, t.settings)) output_off(RunState::kStopped);
+  const bool brakes = dc_brake_.step(t.dt_s, t.settings);
+  if (!brakes && !t.pre_excited()) output_off(RunState::kStopped);
 }
 
 void DriveCore::supply_failed(const Tick& t) {
@@ -343,7 +359,7 @@ void DriveCore::set_stage(const Tick& t) {
   const double limit = current_limit_.step(t.dt_s, s, t.sensors.current_peak_a, t.sensors.active_current_a_rms);
   if (state_ == RunState::kDcBraking) {
     out_.ramp_frequency_hz = 0;
-    if (s.vector.on && s.zero_speed_brake) {
+    if (t.pre_excited() || (s.vector.on && s.zero_speed_brake)) {
       set_vector_stage(t, 0, limit, Motion::kConstant);
       return;
     }

@@ -48,6 +48,7 @@ class DriveCore {
   void catch_motor(const Tick& t, double before_hz);
   void stop_or_run(const Tick& t);
   void run_ramp(const Tick& t, double target_hz);
+  void begin_brake(const Tick& t);
   void brake(const Tick& t);
   void supply_failed(const Tick& t);
   void trip(const Trip& cause);

@@ -188,6 +188,7 @@ struct DriveCommand {
   double torque_percent = 0;       // torque control: commanded, positive in the commanded direction
   double backward_limit_hz = -1;   // torque control: speed limit against that direction; negative: the same
   bool permit = true;              // false in start-up, reset and while a retry waits: no output
+  bool pre_excite = false;         // vector control: flux and zero speed while there is no start
   bool catch_motor = false;        // an output that comes on meets a turning motor, as after a power failure
   double lower_by_hz = 0;          // takes the frequency down by this at once
   double raise_by_hz = 0;          // adds this to the output frequency, for this tick
@@ -290,9 +291,10 @@ struct DriveOutputs {
   bool speed_limited = false;
   std::optional<Trip> trip;  // new in this tick
   VINV_ARCHIVE(DriveOutputs, gates_on, stage_frequency_hz, stage_voltage_peak_v, chopper_enabled, state, running,
-               output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, link_overload, power_failure, frequency_detected,
-               current_detected, zero_current, thermal_pre_alarm, motor_thermal_fraction, inverter_thermal_fraction,
-               brake_duty_fraction, torque_command_percent, torque_limited, speed_limited, trip);
+               output_frequency_hz, ramp_frequency_hz, up_to_frequency, overload, link_overload, power_failure,
+               frequency_detected, current_detected, zero_current, thermal_pre_alarm, motor_thermal_fraction,
+               inverter_thermal_fraction, brake_duty_fraction, torque_command_percent, torque_limited, speed_limited,
+               trip);
 };
 
 }  // namespace vinv::drive

@@ -7,9 +7,10 @@
 namespace vinv::drive {
 namespace {
 
-constexpr double kTrim_s = 0.05;    // integral action from missing torque to slip
-constexpr double kMostTrim = 0.5;   // of rated torque
-constexpr double kLeastFlux = 0.2;  // that a slip is computed with
+constexpr double kTrim_s = 0.05;     // integral action from missing torque to slip
+constexpr double kMostTrim = 0.5;    // of rated torque
+constexpr double kLeastFlux = 0.2;   // that a slip is computed with
+constexpr double kLeastBuilt = 0.5;  // likewise, of the flux that it is to become: voltage laws know no build-up
 constexpr double kStall_s = 3;
 constexpr double kStallBand = 0.01;  // of rated torque: a limit at the stall level counts
 
@@ -119,7 +120,7 @@ VectorControl::Output VectorControl::step(double dt_s, const VectorSettings& s, 
   const double actual = s.rated_torque_nm > 0 ? in.torque_nm / s.rated_torque_nm : torque;
   // A voltage that is held back cannot give the torque: nothing to learn from it.
   if (in.voltage_factor >= 1) trim_ = std::clamp(trim_ + (torque - actual) * dt_s / kTrim_s, -kMostTrim, kMostTrim);
-  const double flux = std::max(flux_.value(), kLeastFlux);
+  const double flux = std::max(std::max(flux_.value(), kLeastBuilt * flux_wanted), kLeastFlux);
   const double slip_hz = (torque + trim_) * s.rated_slip_hz / (flux * flux);
   out.frequency_hz = in.rotor_hz + slip_hz;
 

@@ -86,6 +86,7 @@ void A700Inverter::follow_torque(drive::DriveCommand& command, const mitsubishi:
     s.stall_level_percent = zero + (store_.value(pr::kStallAt10V) - zero) * share;
     return;
   }
+  command.pre_excite = inputs.signals.has(InputSignal::kLx);
   command.torque_percent = torque_command_percent();
   command.backward_limit_hz = s_.backward_limit_hz;
   set_torque_limits(s.vector, store_, inputs.signals.has(InputSignal::kTl));

@@ -36,7 +36,7 @@ TEST(A700Vector, SpeedControlHoldsTheSpeedAtEveryLoad) {
     for (const double nm : {0.0, 9.0}) {
       Bench b = ordered(hz, 10, {}, with_load(0.01, nm));
       b.run(4);
-      EXPECT_NEAR(speed_hz(b), hz, hz < 2 && nm > 0 ? 1.2 : 0.12) << hz << " Hz " << nm << " Nm";
+      EXPECT_NEAR(speed_hz(b), hz, hz < 2 ? (nm > 0 ? 1.2 : 0.2) : 0.12) << hz << " Hz " << nm << " Nm";
       EXPECT_EQ(b->alarm_name(), "");
     }
   }
@@ -349,6 +349,66 @@ TEST(A700Vector, Pr850HoldsTheSpeedAtZeroInPlaceOfTheDcBrake) {
   };
   EXPECT_LT(slid_rpm(1), 10);
   EXPECT_GT(slid_rpm(0), 10);
+}
+
+TEST(A700Vector, LxHoldsTheShaftAndBuildsTheFluxUpBeforeTheStart) {
+  const auto ready = [](double method, const Settings& more = {}) {
+    Settings s = vector_settings(method, {{"Pr.183", 23}});  // LX at terminal RT
+    s.insert(s.end(), more.begin(), more.end());
+    Bench b = a700_with(s, with_load(0.02, 0));
+    EXPECT_TRUE(b.command({NetTerminal::kRt}).has_value());
+    b.run(0.5);
+    return b;
+  };
+  EXPECT_EQ(ready(20).output_a(), 0);  // flux vector control has none
+  Bench b = ready(10);
+  EXPECT_NEAR(b.output_a(), 1.9, 0.3);  // what excites the motor
+  EXPECT_FALSE(b.port().status().running);
+  plant::LoadSettings hoist;
+  hoist.inertia_kg_m2 = 0.02;
+  hoist.hoist_nm = 6;
+  b->set_load(hoist);
+  b.run(2);
+  EXPECT_NEAR(speed_hz(b), 0, 0.05);
+  EXPECT_GT(b.output_a(), 2.2);
+  stop_command(b);
+  b.run(0.6);  // Pr.11
+  EXPECT_LT(b.output_a(), 0.05);
+  EXPECT_LT(speed_hz(b), -1);
+
+  // Torque of a start at once, and while the flux builds up.
+  const auto first_percent = [&](bool lx) {
+    Bench t = ready(11, {{"Pr.804", 1}, {"Pr.806", 1060}, {"Pr.7", 0}});
+    EXPECT_TRUE(t.frequency(30).has_value());
+    if (!lx) {
+      stop_command(t);
+      t.run(1);
+    }
+    const NetTerminal other = lx ? NetTerminal::kRt : NetTerminal::kStf;
+    EXPECT_TRUE(t.command({NetTerminal::kStf, other}).has_value());
+    t.run(0.01);
+    return command_percent(t);
+  };
+  EXPECT_NEAR(first_percent(true), 60, 1);
+  EXPECT_LT(first_percent(false), 30);
+}
+
+// The brake is open before the drive starts: the load falls, and is caught while the flux builds up.
+TEST(A700Vector, AFallingLoadIsCaughtWithoutAnOverCurrent) {
+  InverterConfig config = with_load(0.01, 0);
+  config.load.hoist_nm = 12;
+  config.brake_resistance_ohm = 100;  // what the fall gives comes back
+  Bench b = a700_with(vector_settings(10, {{"Pr.7", 2}, {"Pr.30", 1}, {"Pr.70", 30}}), config);
+  ASSERT_TRUE(b.frequency(30).has_value());
+  b->set_shaft_locked(true);
+  b.run(0.1);
+  b->set_shaft_locked(false);
+  b.run(0.1);
+  EXPECT_LT(speed_hz(b), -1);
+  ASSERT_TRUE(b.command({NetTerminal::kStf}).has_value());
+  b.run(4);
+  EXPECT_EQ(b->alarm_name(), "") << b->alarm_cause();
+  EXPECT_NEAR(speed_hz(b), 30, 0.2);
 }
 
 TEST(A700Vector, Pr854TakesTheFluxAwayWithoutLoad) {
