@@ -20,7 +20,7 @@
 #include "sim/scenario/report/csv_report.hpp"
 #include "sim/scenario/report/html_report.hpp"
 #include "sim/scenario/report/wire_report.hpp"
-#include "sim/scenario/runner.hpp"
+#include "sim/scenario/virtual_run.hpp"
 #include "sim/scenario/scenario_file.hpp"
 
 namespace vinv::scenario {
